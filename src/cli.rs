@@ -1,7 +1,6 @@
-//! The command line: what may be asked, and which room answers. No logic of its own.
+//! The command line: parses arguments, calls the module that does the work, and returns an [`Answer`]. No logic of its own.
 //!
-//! Turns arguments into an [`Answer`]; reads standard input where `-` asks for it and writes the file of `--output`.
-//! Does not print: that is `main`'s.
+//! Reads standard input for `-` and writes the files of `--output`. `main` prints the answer.
 
 mod args;
 mod call;
@@ -35,7 +34,7 @@ use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, Run};
 
 use args::{Cli, Collect, RulesFormat, Verb};
 
-/// What the program answers: texts for standard output and standard error, and the exit code.
+/// The result of a command: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Answer {
     /// For standard output.
@@ -44,12 +43,12 @@ pub struct Answer {
     pub err: String,
     /// The exit code.
     pub code: u8,
-    /// Files and folders that are waited for: the same is asked again when one of them changes.
+    /// Files and folders to watch: the command runs again when one of them changes.
     pub watched: Vec<PathBuf>,
 }
 
 impl Answer {
-    /// What could not be read, on standard error and without colour, and the exit code that follows from it.
+    /// Inputs that could not be read, on standard error without colour, and the exit code that follows from them.
     fn of_reading(run: &Run, surroundings: Surroundings) -> Self {
         let style = Style {
             color: false,
@@ -63,19 +62,19 @@ impl Answer {
     }
 }
 
-/// Where the answer goes.
+/// Properties of the terminal and the process.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
     /// What standard output can show.
     pub style: Style,
     /// Whether standard error is a terminal.
     pub progress: bool,
-    /// Whether this process is the program, which can be called again, and not another one that uses the library.
+    /// Whether this process is the frames-lint program, which can be started again, and not a user of the library.
     pub is_program: bool,
 }
 
 impl Surroundings {
-    /// As this process finds them: colour on a terminal unless `NO_COLOR` is set or the terminal is dumb.
+    /// Those of this process: colour on a terminal unless `NO_COLOR` is set or the terminal is dumb.
     pub fn detect() -> Self {
         let is_terminal = std::io::stdout().is_terminal();
         let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
@@ -102,7 +101,7 @@ impl Surroundings {
     }
 }
 
-/// Columns of the terminal: what `COLUMNS` says, else its size.
+/// Columns of the terminal: `COLUMNS` if it is set, else its size.
 fn width() -> Option<usize> {
     let told = std::env::var("COLUMNS")
         .ok()
@@ -111,11 +110,11 @@ fn width() -> Option<usize> {
     told.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)))
 }
 
-/// Why there is no answer.
+/// Why a command failed.
 enum Failure {
-    /// A fault in the call.
+    /// A wrong call.
     Usage(String),
-    /// A fault of ours.
+    /// A bug in frames-lint.
     Ours(String),
 }
 
@@ -151,7 +150,7 @@ impl From<serde_json::Error> for Failure {
     }
 }
 
-/// Answers a command line, the program's name first.
+/// Runs a command line, which begins with the program's name.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, surroundings: Surroundings) -> Answer {
     let mut early = Vec::new();
     let mut answer = run_to(arguments, stdin, &mut early, surroundings);
@@ -159,7 +158,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
     answer
 }
 
-/// The same, where what is wanted line by line is written to `stdout` as soon as it is known, before the rest of the answer is there.
+/// Like [`run`], but reports of lines (`json-lines`) are written to `stdout` during the run.
 pub fn run_to(
     arguments: impl IntoIterator<Item = OsString>,
     stdin: &mut dyn Read,
@@ -209,7 +208,7 @@ pub fn run_to(
     answer.unwrap_or_else(Answer::from)
 }
 
-/// Help and version are answers; anything else is a fault in the call. A path without a verb gets a hint.
+/// Help and version are answers; any other error is a wrong call. A path without a command gets a hint.
 fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surroundings) -> Answer {
     let rendered = error.render();
     let text = if surroundings.style.color {
@@ -226,7 +225,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
     let mut err = text;
     let first = arguments.get(1).map(|argument| argument.to_string_lossy().into_owned());
     if let (clap::error::ErrorKind::InvalidSubcommand, Some(first)) = (error.kind(), first) {
-        let _ = writeln!(err, "\nTo check files: frames-lint check {first}");
+        let _ = writeln!(err, "\nTo check files, use: frames-lint check {first}");
     }
     Answer {
         err,
@@ -235,7 +234,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
     }
 }
 
-/// Writes what a command made to the file that the user named.
+/// Writes the output of a command to the file that the user named.
 fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
     files::write(file, made.as_ref())
         .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))
@@ -279,11 +278,11 @@ fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {
     }
     let meant = nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
     Err(Failure::Usage(format!(
-        "there is no rule `{word}`{meant}\n`frames-lint rules` lists all rules"
+        "no rule is called `{word}`{meant}\n`frames-lint rules` lists all rules"
     )))
 }
 
-/// The known word that is nearest, if it is near.
+/// The most similar known word, if it is similar enough.
 fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
@@ -299,7 +298,7 @@ fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, name)| *name)
 }
 
-/// What reports say of every rule.
+/// The pages of all rules.
 pub fn rules() -> Vec<&'static Page> {
     RULES.iter().map(|entry| entry.page).collect()
 }
@@ -324,7 +323,7 @@ fn man(verb: Option<&str>) -> Result<Answer, Failure> {
         None => command,
         Some(verb) => {
             let found = command.find_subcommand(verb).cloned();
-            found.ok_or_else(|| Failure::Usage(format!("there is no verb `{verb}`")))?
+            found.ok_or_else(|| Failure::Usage(format!("no command is called `{verb}`")))?
         }
     };
     let mut text = Vec::new();
@@ -360,7 +359,7 @@ fn paths(given: Vec<PathBuf>, stdin: &mut dyn Read) -> Result<Vec<PathBuf>, Fail
     Ok(paths)
 }
 
-/// Paths between NULs if there is one (`git ls-files -z`, `find -print0`), else on lines.
+/// NUL-separated paths if there is a NUL (`git ls-files -z`, `find -print0`), else one path per line.
 fn listed(list: &[u8]) -> Result<Vec<PathBuf>, Failure> {
     let separator = if list.contains(&0) { 0 } else { b'\n' };
     list.split(|byte| *byte == separator)

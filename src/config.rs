@@ -1,10 +1,10 @@
-//! The configuration, `frames-lint.yaml`: found, read, and turned into what the world knows of it and what the user asks for.
+//! The configuration, `frames-lint.yaml`: found, read, and split into declarations about the inputs and the user's policy.
 //!
-//! Owns its keys. Must not judge. A fault in it is a fault of the call, with its place: a gate that runs on half of its
-//! configuration would be green for the wrong reason.
+//! Owns its keys. Applies no rules. An error in a configuration stops the run and names its place: a gate that runs with half
+//! of its configuration could pass for the wrong reason.
 //!
 //! ```yaml
-//! extends: ci                      # a profile of the tool (ci, pre-survey, dataset-acceptance) or a file; a list of them as well
+//! extends: ci                      # a built-in profile (ci, pre-survey, dataset-acceptance), a file, or a list of them
 //! fail-on: warning                 # note, warning, error, never
 //! rules:                           # see `policy`
 //!   ignore: [NAME03]
@@ -18,32 +18,32 @@
 //! require:
 //!   - TREE01
 //!   - {rule: AXES03, subject: '*/imu*', if: applicable}
-//!   - {rule: GEO01, lifted: no satellite receiver} # what stands before it, or is extended, is required no more
+//!   - {rule: GEO01, lifted: no satellite receiver} # no longer required, although an entry before it or an extended file requires it
 //!   - {share: 0.8}                   # of the checks that apply
 //! conventions:                     # see `declared`
-//!   - topic: /ins/*                # a glob; `frame:` and `file:` as well, and all that are given must hold
+//!   - topic: /ins/*                # a glob; `frame:` and `file:` as well; all of those given must match
 //!     world: NED                   # ENU, NED, NWU
 //!     body: FRD                    # FLU, FRD
 //!     quaternion: {order: wxyz, algebra: hamilton}
 //!     time: gps                    # utc, gps, tai
-//!     fields: confirmed            # latitude, longitude, ... without a standard type are what their names say
-//! dataset: KITTI                   # a published dataset, held against its own conventions
-//! tables:                          # rows of one's own, in front of those of `rules/tables/`, with the same keys
+//!     fields: confirmed            # fields such as latitude in non-standard messages mean what their names say
+//! dataset: KITTI                   # a published dataset, compared with its own conventions
+//! tables:                          # own rows, before those of `rules/tables/`, with the same keys
 //!   lidar-clouds: our-lidars.yaml  # a file beside this one, or the rows themselves
 //!   lidar-imus:
 //!     - {name: Ours, words: [ours], lever_mm: [1, 2, 3]}
 //! aliases:                         # names that files use for a frame of the platform
 //!   velodyne: [lidar, velo]
-//! transforms:                      # what a statement of a file is, where the file does not say or is in doubt
+//! transforms:                      # frames of a transform whose file does not name them, or names them unclearly
 //!   - {file: fast_livo.yaml, key: 'extrin_calib/extrinsic*', is: imu from lidar}
-//! comments: accept                 # `frames-lint: allow` in files counts; refuse: it does not, as usual where --config gives this file
-//! xacro: run                       # the program `xacro` as well, where this file lies outside of what is checked; else own
+//! comments: accept                 # obey `frames-lint: allow` comments in files; refuse: ignore them (default with --config)
+//! xacro: run                       # also the program `xacro`, if this file is outside of the checked paths; else own
 //! projections:                     # see `projections`
 //!   - topic: /points
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
 //!
-//! What a configuration extends is read before it: lists go on, single values and entries of mappings are overridden.
+//! Extended configurations are read first: lists are appended to, single values and entries of mappings are overridden.
 
 mod declared;
 mod extends;
@@ -75,27 +75,27 @@ use reader::Reader;
 pub use extends::PROFILES;
 pub use policy::LimitOverride;
 
-/// Bound on its size, bytes.
+/// Maximum size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A configuration: what it extends, and behind that itself.
+/// A configuration: the ones that it extends, then itself.
 #[derive(Clone, Debug, Default)]
 pub struct Config {
     layers: Vec<Layer>,
-    /// Of configurations that lie deeper: what they say of files there.
+    /// Declarations of configurations in deeper folders about the files there.
     below: Vec<Layer>,
-    /// What is known of devices, with the user's own rows.
+    /// The tables of devices, with the user's own rows.
     tables: Arc<Tables>,
-    /// Where files that it names may lie; anywhere where `None`.
+    /// Folders in which files that it names must be; `None`: anywhere.
     allowed: Option<AllowedFolders>,
 }
 
-/// One file, or a profile of the tool.
+/// One file, or a built-in profile.
 #[derive(Clone, Debug, Default)]
 struct Layer {
-    /// Its number among the layers of a run.
+    /// Its index among the layers of a run.
     number: u32,
-    /// Where it was read, for messages.
+    /// Its file, for messages.
     path: String,
     text: String,
     /// What it declares; without places until it is a source.
@@ -107,17 +107,17 @@ struct Layer {
     transforms: Vec<DeclaredTransform>,
     /// Whether the `xacro` program may be run.
     xacro: Option<bool>,
-    /// Whether comments in what is checked count.
+    /// Whether comments in the inputs count.
     comments: Option<bool>,
     asked: Asked,
 }
 
-/// Why there is no configuration, with the place in words.
+/// Why a configuration cannot be used, with the place in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub String);
 
-/// A profile where one is named, and on top of it a file where there is one. `None` where there is neither. Files that the file names lie
-/// in the allowed folders, if there are any.
+/// The named profile, if any, and on top of it the file, if any. `None` if there is neither. Files that the file names must be in the
+/// allowed folders, if any are given.
 pub fn find(
     file: Option<&Path>,
     profile: Option<&str>,
@@ -152,14 +152,14 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
     Ok(config)
 }
 
-/// Reads a configuration from its text; files that it names are looked for from `folder`.
+/// Reads a configuration from its text; paths of files in it are relative to `folder`.
 pub fn parse(path: &str, text: String, folder: &Path) -> Result<Config, ConfigError> {
     let mut config = Config::default();
     config.add(path, text, folder, &mut Vec::new())?;
     Ok(config)
 }
 
-/// A path as it is shown: from the working directory where it lies there.
+/// A path for messages: relative to the working directory if it is below it.
 pub(crate) fn shown(path: &Path) -> String {
     let here = std::env::current_dir().ok();
     let shown = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
@@ -167,7 +167,7 @@ pub(crate) fn shown(path: &Path) -> String {
 }
 
 impl Config {
-    /// Adds a file behind what is known, and what it extends before it. `open` are the files that are being read.
+    /// Appends a file, after the ones that it extends. `open` are the files being read.
     fn add_file(&mut self, path: &Path, open: &mut Vec<PathBuf>) -> Result<(), ConfigError> {
         let shown = shown(path);
         let failed = |error: &dyn std::fmt::Display| ConfigError(format!("`{shown}` cannot be read: {error}"));
@@ -186,7 +186,7 @@ impl Config {
         Ok(())
     }
 
-    /// Adds a text behind what is known, and what it extends before it.
+    /// Appends a text, after the files that it extends.
     fn add(&mut self, path: &str, text: String, folder: &Path, open: &mut Vec<PathBuf>) -> Result<(), ConfigError> {
         let reader = Reader::new(path, &text);
         let root = reader.document()?;
@@ -243,24 +243,24 @@ impl Config {
             .unwrap_or(first)
     }
 
-    /// Adds what a configuration that lies deeper says of files: of those below `folder`, a path as sources have it.
+    /// Adds the declarations of a configuration in a deeper folder, for the files below `folder` (a path as in sources).
     pub fn add_below(&mut self, deeper: &Self, folder: &str) {
         self.below
             .extend(deeper.layers.iter().filter_map(|layer| layer.below(folder)));
     }
 
-    /// The layers with the ids that they have as sources, if they are sources.
+    /// The layers with their ids as sources, if they are sources.
     fn placed(&self, first: Option<u32>) -> impl DoubleEndedIterator<Item = (Option<SourceId>, &Layer)> {
         let layers = self.layers.iter().chain(&self.below);
         layers.map(move |layer| (first.map(|first| SourceId(first.saturating_add(layer.number))), layer))
     }
 
-    /// What is known of devices, drivers and datasets: the user's rows, and behind them those that come with the program.
+    /// The tables of devices, drivers and datasets: the user's rows, then the built-in ones.
     pub fn tables(&self) -> Arc<Tables> {
         Arc::clone(&self.tables)
     }
 
-    /// Fields in which the user's drivers of lidars have the times of points.
+    /// Fields with the times of points, from the user's lidar drivers.
     pub fn time_fields(&self) -> Arc<[String]> {
         self.tables.own_time_fields().map(str::to_owned).collect()
     }
@@ -304,7 +304,7 @@ impl Config {
         known
     }
 
-    /// What the policy lays over a verdict; `first` is the id that its first layer has as a source.
+    /// What the policy does to a verdict; `first` is the source id of its first layer.
     pub fn policy(&self, first: u32) -> Policy {
         let mut policy = Policy::default();
         for (id, layer) in self.placed(Some(first)) {
@@ -318,39 +318,39 @@ impl Config {
         policy
     }
 
-    /// The rules that run: the last choice, and everything that is left out. Words, with the places where they stand.
+    /// The rules that run: the last `select`, and every `ignore`. Words with their places.
     pub fn rules(&self) -> (&[(String, String)], impl Iterator<Item = &(String, String)>) {
         let asked = || self.layers.iter().map(|layer| &layer.asked);
         let select = asked().rev().find_map(|asked| asked.select.as_deref());
         (select.unwrap_or_default(), asked().flat_map(|asked| &asked.ignore))
     }
 
-    /// Every word that names rules, with its place: they are known to the rules only.
+    /// Every word that names rules, with its place; only the engine knows which rules exist.
     pub fn named_rules(&self) -> impl Iterator<Item = &(String, String)> {
         self.layers.iter().flat_map(|layer| &layer.asked.named)
     }
 
-    /// Limits that are not those of the pages.
+    /// Limits that differ from those of the pages.
     pub fn limits(&self) -> impl Iterator<Item = &LimitOverride> {
         self.layers.iter().flat_map(|layer| &layer.asked.limits)
     }
 
-    /// From which severity on findings fail a run.
+    /// The lowest severity that fails a run.
     pub fn fail_on(&self) -> Option<FailOn> {
         self.layers.iter().rev().find_map(|layer| layer.asked.fail_on)
     }
 
-    /// Whether the `xacro` program may be run on what is checked.
+    /// Whether the `xacro` program may be run on the inputs.
     pub fn runs_xacro(&self) -> bool {
         self.layers.iter().rev().find_map(|layer| layer.xacro).unwrap_or(false)
     }
 
-    /// Whether comments in what is checked accept findings, where it says so.
+    /// Whether comments in the inputs accept findings, if set.
     pub fn counts_comments(&self) -> Option<bool> {
         self.layers.iter().rev().find_map(|layer| layer.comments)
     }
 
-    /// Its keys that count for platforms alone, and not for single files.
+    /// Those of its keys that apply to whole platforms, not to single files.
     pub fn keys_of_platforms(&self) -> impl Iterator<Item = &'static str> {
         let has = |test: fn(&Layer) -> bool| self.layers.iter().any(test);
         let keys = [
@@ -373,7 +373,7 @@ impl Config {
 }
 
 impl Layer {
-    /// What it says of files, for those below a folder.
+    /// Its declarations about files, limited to those below a folder.
     fn below(&self, folder: &str) -> Option<Self> {
         let within = |file: &mut Option<GlobMatcher>| {
             let own = file.as_ref().map_or("*", |glob| glob.glob().glob());
@@ -404,10 +404,10 @@ impl Layer {
     }
 }
 
-/// What `xacro` may be.
+/// Values of `xacro`.
 const XACRO: &[(&str, bool)] = &[("own", false), ("run", true)];
 
-/// What `comments` may be.
+/// Values of `comments`.
 const COMMENTS: &[(&str, bool)] = &[("accept", true), ("refuse", false)];
 
 /// The keys of a configuration.
@@ -449,7 +449,7 @@ mod tests {
         };
         assert_eq!(
             ins.convention.words(),
-            "world NED, body FRD, quaternions in the order wxyz, quaternions of jpl, stamps in GPS"
+            "world NED, body FRD, quaternion order wxyz, quaternion algebra jpl, stamps in GPS"
         );
         assert_eq!(ins.origin, "c.yaml:3");
         assert!(ins.scope.topic.as_ref().unwrap().is_match("/ins/imu/data"));
@@ -485,12 +485,12 @@ mod tests {
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    world: NEU\n"),
-            "c.yaml:3:12: `world` is one of ENU, NED, NWU, not `NEU`"
+            "c.yaml:3:12: `world` must be one of ENU, NED, NWU, not `NEU`"
         );
         assert!(fault("conventions:\n  - world: NED\n").contains("`topic`, `frame` or `file` is missing"));
         assert!(fault("conventions:\n  - topic: /imu\n").contains("declares nothing"));
-        assert!(fault("conventions:\n  topic: /imu\n").contains("is a list"));
-        assert!(fault("conventions:\n  - topic: '[a'\n    world: NED\n").contains("is no glob"));
+        assert!(fault("conventions:\n  topic: /imu\n").contains("must be a list"));
+        assert!(fault("conventions:\n  - topic: '[a'\n    world: NED\n").contains("is not a valid glob"));
         assert!(fault("conventions: [\n").starts_with("c.yaml:"));
         assert!(fault("a: 1\na: 2\n").contains("twice"));
     }

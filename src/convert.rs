@@ -1,7 +1,7 @@
 //! Conversion: transforms that were read, written in another dialect or form, with the chain that leads to them.
 //!
-//! Owns what is asked for and what is answered. `links` finds chains, `kinds` tells which frame of one dialect is which of another, `write` fills
-//! the templates, `forms` has the forms of no dialect. Reads no files and judges nothing.
+//! Owns the request and the answer. `links` finds chains, `kinds` maps the frames of one dialect to those of another, `write` fills the
+//! templates, `forms` has the forms that belong to no dialect. Reads no files and judges nothing.
 
 mod feather;
 mod forms;
@@ -22,16 +22,16 @@ use links::{Link, Links};
 
 pub use feather::from_csv as feather_from_csv;
 
-/// What is asked for.
+/// What is requested.
 #[derive(Clone, Debug, Default)]
 pub struct Wish {
     /// The dialect or form.
     pub to: String,
     /// `(target, source)` of the transform; without it all that were read.
     pub frames: Option<(String, String)>,
-    /// The key of the dialect that is wanted, or of the statement that is meant.
+    /// The key of the dialect to write, or of the statement to convert.
     pub key: Option<String>,
-    /// `(target, source)`: what a statement without frames is.
+    /// `(target, source)`: the frames of a statement that names none.
     pub is: Option<(String, String)>,
 }
 
@@ -65,7 +65,7 @@ struct Item {
 ///
 /// # Errors
 ///
-/// Where nothing fits the wish, or more than one thing does; in words for the user.
+/// Where nothing matches the wish, or more than one thing does; in words for the user.
 pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Converted, String> {
     let links = Links::of(run, wish)?;
     let asked = match &wish.frames {
@@ -90,7 +90,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
         .find(|writing| writing.dialect == wish.to)
         .ok_or_else(|| {
             format!(
-                "`{}` is no dialect that is written; known are {}",
+                "`{}` is not a dialect that can be written: use one of {}",
                 wish.to,
                 targets().join(", ")
             )
@@ -108,7 +108,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
     };
     if casts.is_empty() {
         return Err(format!(
-            "nothing that was read has a place in `{}` by its frames' names ({}); say which transform is meant: --frames TARGET SOURCE",
+            "no transform matches `{}` by the names of its frames ({}): choose one with --frames TARGET SOURCE",
             writing.dialect,
             links.frames().join(", ")
         ));
@@ -119,7 +119,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
             .map(|cast| format!("{} {}", cast.target, cast.source))
             .collect();
         return Err(format!(
-            "a file of `{}` holds one transform, and {} fit: say which with --frames, one of: {}",
+            "a file of `{}` holds one transform, and {} match: choose one with --frames: {}",
             writing.dialect,
             casts.len(),
             list.join("; ")
@@ -133,7 +133,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
         notes.push_str(&item.chain);
         let _ = write!(notes, "\n  written as `{}`: {}", cast.label(), cast.meaning());
         if let Some(name) = &cast.transform.named {
-            let _ = write!(notes, "; the file must be called {name}");
+            let _ = write!(notes, "; the file must be named {name}");
         }
         if let Some(doubt) = &cast.doubt {
             let _ = write!(notes, "\n  in doubt: {doubt}");
@@ -142,7 +142,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
     }
     for frame in links.frames() {
         if !casts.iter().any(|cast| cast.target == frame || cast.source == frame) {
-            let _ = writeln!(notes, "left out: `{frame}` has no place there");
+            let _ = writeln!(notes, "left out: `{frame}` matches no key there");
         }
     }
     Ok(Converted {
@@ -168,10 +168,10 @@ fn chained(links: &Links, target: &str, source: &str) -> Result<Item, String> {
         let why = if links.frames().iter().any(|frame| frame == target || frame == source) {
             "no chain of transforms leads from one to the other"
         } else {
-            "neither is named"
+            "none of the inputs names either frame"
         };
         return Err(format!(
-            "`{target}` from `{source}` cannot be made: {why}; the frames are {}",
+            "`{target}` from `{source}` cannot be computed: {why}; known frames are {}",
             links.frames().join(", ")
         ));
     };
@@ -211,15 +211,15 @@ fn origin(link: &Link) -> String {
 }
 
 impl Cast<'_> {
-    /// The key with its numbers put in.
+    /// The key with its numbers.
     fn label(&self) -> String {
         let number = self.number.to_string();
         self.transform.key.replacen('#', &number, 1)
     }
 
-    /// What stands under it, in words.
+    /// The transform under it, in words.
     fn meaning(&self) -> String {
-        let turned = if self.is_turned { ", the other way round" } else { "" };
+        let turned = if self.is_turned { ", inverted" } else { "" };
         format!("`{}` from `{}`{turned}", self.target, self.source)
     }
 }

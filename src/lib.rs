@@ -1,4 +1,4 @@
-//! frames-lint: files become facts with a place, facts are judged by rules, and every judgement says what it measured.
+//! frames-lint: reads files as facts with their places, applies rules to the facts, and reports what each rule measured.
 //!
 //! ```text
 //! files --read--> world <--collect-- recordings

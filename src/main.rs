@@ -9,11 +9,11 @@ use std::sync::{Mutex, PoisonError};
 use frames_lint::cli::{self, Answer, Surroundings};
 use frames_lint::run::{EXIT_CRASHED, EXIT_USAGE};
 
-/// A run is many small texts and lists, and ends soon: an allocator made for that halves the time spent on them.
+/// A run makes many small strings and lists and ends soon: mimalloc halves the time spent on them.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The last panic, for the one line that is printed if nobody catches it earlier.
+/// The last panic, for the line that is printed if it is not caught earlier.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
 fn main() -> ExitCode {
@@ -60,7 +60,7 @@ fn remember(info: &PanicHookInfo) {
     let place = info
         .location()
         .map_or_else(String::new, |location| format!(" at {location}"));
-    // As `RUST_BACKTRACE` asks for it.
+    // Only if `RUST_BACKTRACE` is set.
     let backtrace = match Backtrace::capture() {
         taken if taken.status() == BacktraceStatus::Captured => format!("\n{taken}"),
         _ => String::new(),
@@ -72,14 +72,14 @@ fn crash() -> Answer {
     let last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
     Answer {
         err: format!(
-            "frames-lint: internal error: {last}\nThis is a fault of frames-lint, not of the files; please report it.\n"
+            "frames-lint: internal error: {last}\nThis is a bug in frames-lint, not a problem of your files; please report it.\n"
         ),
         code: EXIT_CRASHED,
         ..Answer::default()
     }
 }
 
-/// Writes everything. A reader that has seen enough (`| head`) is no error.
+/// Writes everything. A reader that closes the pipe (`| head`) is not an error.
 fn print(to: &mut dyn Write, text: &str) -> std::io::Result<()> {
     match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),

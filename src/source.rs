@@ -1,6 +1,6 @@
 //! Sources and places: where every fact was read.
 //!
-//! Owns source identities, byte spans, places, the line index and the words for how sure a fact is. Must not know formats, frames or rules.
+//! Owns source identities, byte spans, places, the line index and the degrees of confidence in a fact. Must not know formats, frames or rules.
 
 mod lines;
 
@@ -34,21 +34,21 @@ pub struct SourceId(pub u32);
 pub enum SourceKind {
     /// A URDF file.
     Urdf,
-    /// A xacro file, expanded to URDF or read as it stands.
+    /// A xacro file, expanded to URDF or read unexpanded.
     Xacro,
     /// A URDF published inside a bag on `/robot_description`.
     RobotDescription,
-    /// What a sensor says of itself on a topic of a bag, as an Ouster does on `/ouster/metadata`.
+    /// Metadata of a sensor on a topic of a bag, such as an Ouster's on `/ouster/metadata`.
     SensorMetadata,
-    /// A YAML file that may hold transforms.
+    /// A YAML file that may contain transforms.
     Yaml,
-    /// A JSON file that may hold transforms.
+    /// A JSON file that may contain transforms.
     Json,
     /// A calibration in plain text: KITTI's, a matrix, an ini, info or Lua file, poses over time.
     Text,
     /// A launch file, or a script that publishes static transforms.
     Launch,
-    /// Source code, whose products of transforms are looked at.
+    /// Source code, whose products of transforms are checked.
     Code,
     /// An MCAP recording.
     Mcap,
@@ -96,9 +96,9 @@ impl SourceKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReadStatus {
-    /// All that a reader exists for was read.
+    /// Everything that has a reader was read.
     Read,
-    /// Read up to a fault; what stands before it is judged.
+    /// Read up to a fault; everything before it is judged.
     Partial,
     /// Nothing could be read.
     Unreadable,
@@ -157,7 +157,7 @@ pub struct MessageRef {
     pub stamp_ns: Option<i64>,
     /// Log time of the recording, nanoseconds.
     pub log_ns: i64,
-    /// The field inside the message (`transforms[3].transform.rotation`), where one is meant.
+    /// The field inside the message (`transforms[3].transform.rotation`), if one is meant.
     pub field: Option<String>,
 }
 
@@ -204,7 +204,7 @@ impl Place {
         }
     }
 
-    /// A message of a recording, or the whole of it where none is known.
+    /// A message of a recording, or the whole of it if none is known.
     pub fn of(source: SourceId, message: Option<&MessageRef>) -> Self {
         message.map_or_else(|| Self::whole(source), |message| Self::message(source, message.clone()))
     }
@@ -231,7 +231,7 @@ impl Place {
 pub struct Placed<T> {
     /// The value as it was spelled.
     pub value: T,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 
@@ -262,24 +262,24 @@ pub struct Examined {
     pub bytes_total: u64,
     /// Messages read, for recordings.
     pub messages: Option<u64>,
-    /// Messages in the whole recording, where its index says.
+    /// Messages in the whole recording, if its index states it.
     pub messages_total: Option<u64>,
-    /// Time that the stretches read cover, nanoseconds of log time.
+    /// Time covered by the windows that were read, nanoseconds of log time.
     pub time_ns: Option<i64>,
     /// Length of the whole recording, nanoseconds of log time.
     pub time_total_ns: Option<i64>,
-    /// Stretches that were read without a break, where only a part of the recording was.
+    /// Windows that were read without a break, if only a part of the recording was read.
     pub windows: Option<u64>,
 }
 
-/// For a text that came out of another source: where from.
+/// For a text out of another source: its origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Derived {
     /// The text of a message of a recording.
     Message(MessageRef),
     /// The expansion of a macro file: spans count in the expanded text.
     Expansion,
-    /// A file that another one includes, and that is no input itself.
+    /// A file that another one includes, and that is not an input itself.
     Included,
 }
 
@@ -297,54 +297,54 @@ pub struct Written {
 pub struct Source {
     /// Identity in this run.
     pub id: SourceId,
-    /// The path as the user would recognise it.
+    /// The path as shown to the user.
     pub path: String,
     /// What it was recognised as.
     pub kind: SourceKind,
     /// How much could be read.
     pub status: ReadStatus,
-    /// One line on the status, where there is something to say.
+    /// One line on the status, if there is something to report.
     pub detail: Option<String>,
-    /// What was taken from it, in words: `3 transforms, 1 origin on the Earth`; `None` where that is nothing.
+    /// What was taken from it, in words: `3 transforms, 1 origin on the Earth`; `None` if nothing was taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taken: Option<String>,
-    /// Parts that look like a transform, or half of one, and of which nothing was taken: the keys from the root, joined by `/`.
+    /// Parts that look like a transform, or half of one, but were not read: the keys from the root, joined by `/`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_understood: Vec<Placed<String>>,
-    /// What else is to be said of it, a line each: what it was judged with.
+    /// Further notes, a line each: what it was judged with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// How much was examined.
     pub examined: Examined,
     /// The text that spans point into; empty for binary sources.
     pub text: String,
-    /// Set where the text was taken out of another source.
+    /// Set if the text was taken from another source.
     pub derived: Option<Derived>,
     /// What went wrong while reading.
     pub problems: Vec<Problem>,
-    /// Whether failing to read it makes the run incomplete. False for files met in a folder
-    /// that no reader exists for.
+    /// Whether failing to read it makes the run incomplete. False for files in a folder
+    /// that have no reader.
     pub required: bool,
-    /// The files that it was read from here; none for a text that came out of another source, and for what was saved before.
+    /// The files that it was read from here; none for a text out of another source, and for saved evidence.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
-    /// Where the meshes are here that it names, by what they are called there: those that were found.
+    /// The meshes that it names and that were found here, by their names in it.
     #[serde(skip)]
     pub meshes: BTreeMap<String, MeshFile>,
     /// Of an expansion: where its parts are written.
     #[serde(skip)]
     pub written: Vec<Written>,
-    /// SHA-256 of each of its files, only where a report asks for it.
+    /// SHA-256 of each of its files, only if a report needs it.
     #[serde(skip)]
     pub hashes: Vec<FileHash>,
 }
 
-/// What a file is known by.
+/// The identity of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileHash {
     /// Its name, without the folder.
     pub name: String,
-    /// SHA-256 in hexadecimal digits; `None` where it cannot be read any more.
+    /// SHA-256 in hexadecimal digits; `None` if it cannot be read any more.
     pub sha256: Option<String>,
 }
 
@@ -357,11 +357,11 @@ pub struct MeshFile {
     pub bytes: u64,
 }
 
-/// Parts that were not understood that a line names.
+/// How many parts that were not understood are named in a line.
 const MAX_NAMED: usize = 4;
 
 impl Source {
-    /// What was taken from it and what was not understood, in a line: `3 transforms; not understood: `extrinsics/lidar``.
+    /// What was read and what was not understood, in a line: `3 transforms; not understood: `extrinsics/lidar``.
     pub fn understood(&self) -> Option<String> {
         let (named, more) = self.not_understood.split_at(self.not_understood.len().min(MAX_NAMED));
         let named: Vec<String> = named.iter().map(|part| format!("`{}`", part.value)).collect();
@@ -375,7 +375,7 @@ impl Source {
         (!words.is_empty()).then(|| words.join("; "))
     }
 
-    /// What is missing of a source that was not read, or not in full.
+    /// What is missing from a source that was not read, or not in full.
     pub fn shortfall(&self) -> &str {
         self.detail.as_deref().unwrap_or("could not be read in full")
     }
@@ -404,7 +404,7 @@ impl Source {
     }
 
     /// Where a part of an expansion is written: the smallest element, start tag or attribute around it that is known; `None` in any other
-    /// text, and where nothing is known.
+    /// text, and if nothing is known.
     pub fn written(&self, place: &Place) -> Option<Place> {
         let span = place.span()?;
         let around = self

@@ -1,7 +1,7 @@
-//! Tables of published facts, as data in `rules/tables/`, read once and typed; to those of devices users add rows of their own.
+//! Tables of published facts, as data in `rules/tables/`, read once and typed; users add rows of their own to those of devices.
 //!
-//! Owns their reading. Must not know rules or worlds. A table of ours that does not read is a fault of ours: the tests hold
-//! every one, and without it a table is empty and answers nothing.
+//! Owns their reading. Must not know rules or worlds. A table of this program that cannot be read is a bug here: the tests read
+//! every one. At run time such a table is empty.
 
 mod clouds;
 mod dataset;
@@ -28,7 +28,7 @@ pub use writing::{Writing, WrittenTransform, writings};
 
 use rows::Row;
 
-/// A table that comes with the program: `build.rs` makes JSON of each in `rules/tables/`.
+/// A table that comes with the program: `build.rs` converts each in `rules/tables/` to JSON.
 macro_rules! table {
     ($name:literal) => {
         serde_json::from_str(include_str!(concat!(env!("OUT_DIR"), "/", $name, ".json")))
@@ -36,7 +36,7 @@ macro_rules! table {
 }
 use table;
 
-/// The rows of such a table, read when they are first asked for.
+/// The rows of such a table, read at first use.
 macro_rules! rows {
     ($row:ty, $name:literal) => {{
         static ROWS: LazyLock<Vec<Arc<$row>>> = LazyLock::new(|| rows::built_in(table!($name)));
@@ -76,7 +76,7 @@ impl Default for Tables {
 }
 
 impl Tables {
-    /// Their names, as the files in `rules/tables/` have them.
+    /// Their names, as the files in `rules/tables/`.
     pub const NAMES: [&str; 9] = [
         "lidar-clouds",
         "lidars",
@@ -89,7 +89,7 @@ impl Tables {
         "calibration-dialects",
     ];
 
-    /// Adds a row of the user's to a table; `origin` is where it stands.
+    /// Adds a row of the user's to a table; `origin` is its place.
     pub fn add(&mut self, table: &str, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
         match table {
             "lidar-clouds" => self.lidar_clouds.add(row, origin),
@@ -103,7 +103,7 @@ impl Tables {
             "calibration-dialects" => self.dialects.add(row, origin),
             _ => Err(RowFault {
                 keys: Vec::new(),
-                message: format!("`{table}` is no table; known tables: {}", Self::NAMES.join(", ")),
+                message: format!("there is no table `{table}`; known tables: {}", Self::NAMES.join(", ")),
             }),
         }
     }
@@ -130,7 +130,7 @@ impl Tables {
         self.lidars.iter().map(Arc::as_ref)
     }
 
-    /// Every place that is known of a part of an Ouster.
+    /// Every known position of a part of an Ouster.
     pub fn ouster_places(&self, part: OusterPart) -> impl Iterator<Item = &OusterPlace> {
         self.ouster.iter().map(Arc::as_ref).filter(move |row| row.part == part)
     }
@@ -140,7 +140,7 @@ impl Tables {
         named::named(&self.lidar_imus, words)
     }
 
-    /// The driver whose own edge this is.
+    /// The driver that publishes this edge itself.
     pub fn driver_of_edge(&self, parent: &str, child: &str) -> Option<&str> {
         let found = self.driver_frames.iter().find(|driver| driver.has(parent, child));
         found.map(|driver| driver.driver.as_str())
@@ -156,17 +156,17 @@ impl Tables {
         named::named(&self.simulators, words)
     }
 
-    /// The dataset that the user calls so.
+    /// The dataset with this name in the configuration.
     pub fn dataset(&self, word: &str) -> Option<Arc<Dataset>> {
         self.datasets.iter().find(|row| row.is_called(word)).cloned()
     }
 
-    /// Dialects of calibration files; the first whose marks a file has counts.
+    /// Dialects of calibration files; the first one whose marks a file has is used.
     pub fn dialects(&self) -> &Rows<Dialect> {
         &self.dialects
     }
 
-    /// What the datasets are called.
+    /// The names of the datasets.
     pub fn dataset_names(&self) -> Vec<&str> {
         self.datasets.iter().map(|row| row.name.as_str()).collect()
     }
@@ -186,9 +186,9 @@ impl TryFrom<String> for Day {
     fn try_from(text: String) -> Result<Self, String> {
         let parts: Vec<i64> = text.split('-').filter_map(|part| part.parse().ok()).collect();
         let [year, month @ 1..=12, day @ 1..=31] = parts[..] else {
-            return Err(format!("`{text}` is no day of the form 2017-01-01"));
+            return Err(format!("`{text}` is not a date of the form 2017-01-01"));
         };
-        // Days from civil (Hinnant): years begin in March, so that the leap day is their last.
+        // Days from civil (Hinnant): years begin in March, so that the leap day is the last.
         let year = if month <= 2 { year - 1 } else { year };
         let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
         let days =
@@ -201,7 +201,7 @@ impl TryFrom<String> for Day {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeapStep {
-    /// The day from whose start the value holds.
+    /// The day from whose start the value applies.
     pub from: Day,
     /// `TAI - UTC`, seconds.
     pub tai_minus_utc_s: i32,
@@ -227,7 +227,7 @@ impl LeapSeconds {
         step.map_or(0.0, |step| f64::from(step.tai_minus_utc_s))
     }
 
-    /// `GPS - UTC` at a Unix time, seconds: TAI runs 19 s ahead of GPS time always.
+    /// `GPS - UTC` at a Unix time, seconds: TAI is always 19 s ahead of GPS time.
     pub fn gps_minus_utc_s(&self, unix_s: f64) -> f64 {
         self.tai_minus_utc_s(unix_s) - 19.0
     }
@@ -251,17 +251,17 @@ pub fn leap_seconds() -> &'static LeapSeconds {
 pub struct Driver {
     /// The driver.
     pub driver: String,
-    /// Patterns of parent and child; `*` stands for any text, the same in both.
+    /// Patterns of parent and child; `*` is any text, the same in both.
     edges: Vec<(String, String)>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where that is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
 
-/// What `*` stands for where `name` fits `pattern`; empty for a pattern without one.
+/// The text for `*` if `name` matches `pattern`; empty for a pattern without one.
 fn captured<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
     match pattern.split_once('*') {
         Some((before, after)) => name.strip_prefix(before)?.strip_suffix(after),
@@ -287,19 +287,19 @@ impl Row for Driver {
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         let is_empty = |(parent, child): &(String, String)| parent.is_empty() || child.is_empty();
         let is_faulty = self.edges.is_empty() || self.edges.iter().any(is_empty);
-        is_faulty.then_some(("edges", "pairs of a parent and a child are expected, at least one"))
+        is_faulty.then_some(("edges", "at least one pair of a parent and a child is required"))
     }
 }
 
-/// A way in which files state where the origin of a local frame lies on the Earth.
+/// A form in which files state the origin of a local frame on the Earth.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OriginFormat {
-    /// What it is called.
+    /// Its name.
     pub format: String,
-    /// Who reads it.
+    /// The program that reads it.
     pub source: String,
-    /// The key that it stands under; without one, the keys stand beside others.
+    /// The key above it; without one, its keys are among others.
     pub key: Option<String>,
     /// What the numbers of a list are: `latitude`, `longitude`, `altitude`, or another word.
     #[serde(default)]
@@ -307,11 +307,11 @@ pub struct OriginFormat {
     /// The keys of latitude, longitude and, where it is used, altitude.
     #[serde(default)]
     pub keys: Vec<String>,
-    /// A key beside that must be true.
+    /// A neighbouring key that must be true.
     pub only_if: Option<String>,
-    /// A key beside that names one of a list of origins.
+    /// A neighbouring key that names one of a list of origins.
     pub chosen_by: Option<String>,
-    /// A key beside that names the projection.
+    /// A neighbouring key that names the projection.
     pub projection: Option<String>,
 }
 
@@ -321,7 +321,7 @@ pub struct OriginFormat {
 pub struct EarthOrigins {
     /// Its formats.
     pub formats: Vec<OriginFormat>,
-    /// Words of keys above that make an origin one of a pretended receiver.
+    /// Words of keys above that mark an origin as one of a simulated receiver.
     pub pretended: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Text from files and recordings where people see it: characters that steer, reorder or hide are spelled out.
+//! Text from files and recordings in output: characters that control, reorder or hide text are escaped.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write};
 
 use serde::Serialize;
 
-/// Characters that would steer a terminal, end a line, reorder what stands on it or cannot be seen, in text that comes from a file or a bag.
+/// Characters that would control a terminal, end a line, reorder its text or are invisible, in text from a file or a bag.
 fn steers(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t') || is_unseen(c)
 }
@@ -20,13 +20,13 @@ pub(crate) fn is_unseen(c: char) -> bool {
         | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}' | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
 }
 
-/// Whether a text may have any: nearly all have printable ASCII alone, and that is quickly seen.
+/// Whether a text may have any: nearly all are printable ASCII, which is quickly checked.
 fn may_steer(text: &str) -> bool {
     let is_plain = |byte: &u8| matches!(byte, b' '..=b'~' | b'\n' | b'\t');
     !text.as_bytes().iter().all(is_plain)
 }
 
-/// The text with control characters spelled out (`\u{1b}`). Newlines and tabs stay.
+/// The text with control characters escaped (`\u{1b}`). Newlines and tabs stay.
 pub(crate) fn clean(text: &str) -> Cow<'_, str> {
     if !may_steer(text) || !text.chars().any(steers) {
         return Cow::Borrowed(text);
@@ -61,8 +61,8 @@ pub(crate) fn clean_in_place(text: &str) -> Option<String> {
     Some(cleaned)
 }
 
-/// Writes a value as indented JSON that ends with a newline. Characters that steer or hide are written as `\uXXXX`: a reader of the value gets
-/// them as they are, who looks at the file sees them.
+/// Writes a value as indented JSON that ends with a newline. Characters that control or hide text are written as `\uXXXX`: a parser gets
+/// the original characters, and they are visible in the file.
 pub(crate) fn write_json(value: &impl Serialize, to: &mut dyn Write) -> serde_json::Result<()> {
     let mut to = SpelledOut(BufWriter::with_capacity(1 << 16, to));
     serde_json::to_writer_pretty(&mut to, value)?;
@@ -85,15 +85,15 @@ pub(crate) fn json_line(value: &impl Serialize) -> serde_json::Result<String> {
     })
 }
 
-/// What is written, as a text.
+/// The written bytes, as a text.
 pub(crate) fn text(write: impl FnOnce(&mut Vec<u8>) -> serde_json::Result<()>) -> serde_json::Result<String> {
     let mut bytes = Vec::new();
     write(&mut bytes)?;
     String::from_utf8(bytes).map_err(|error| serde_json::Error::io(std::io::Error::other(error)))
 }
 
-/// Spells characters out in JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none
-/// that are spelled out.
+/// Escapes characters of JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none
+/// that are escaped.
 struct SpelledOut<W>(W);
 
 impl<W: Write> Write for SpelledOut<W> {

@@ -1,4 +1,4 @@
-//! What the diagnosis of an inertial sensor makes of a finding: its words, and the rule that says it better.
+//! Completes findings on inertial sensors by the sensor's diagnosis: causes, help, and the rule that reports the fault best.
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
@@ -6,7 +6,7 @@ use crate::analysis::{Estimates, axes::causes::Aspect, axes::diagnosis::Diagnosi
 use crate::rules::codes;
 use crate::verdict::{Finding, Judge, RuleCode, Severity};
 
-/// Judges one part of every inertial sensor, of the subject that `named` makes of the sensor's; says why where it was not seen.
+/// Judges one measurement of every inertial sensor, under the subject that `named` makes; reports the reason where it was not possible.
 pub(crate) fn judge_each<T, L>(
     (world, limits): (&Estimates, &L),
     named: impl Fn(&str) -> String,
@@ -24,18 +24,30 @@ pub(crate) fn judge_each<T, L>(
     }
 }
 
-/// The finding of a rule that looks at one aspect of a sensor, with the fault's name and help, and how the numbers were read; `otherwise`
-/// is the help where no known fault fits. Where another aspect shows the fault better, the finding defers to that one's rule.
+/// The finding of a rule on one measurement of a sensor, with causes, help and the declared convention; `otherwise` is the help if no
+/// known fault fits. If another measurement shows the fault better, the finding defers to that one's rule.
 pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Finding, otherwise: &str) -> Finding {
     let help = diagnosis.help().unwrap_or_else(|| otherwise.to_owned());
-    let mut finding = diagnosis.expressed_in.tell(finding).help(help);
+    let mut finding = with_causes(diagnosis, diagnosis.expressed_in.tell(finding).help(help));
     if let Some(word) = diagnosis.word() {
         finding = finding.relation(word);
     }
     defer(diagnosis, imu, Some(own), finding)
 }
 
-/// The finding, which defers to the rule of the aspect that shows the fault best.
+/// The finding with the causes behind its detail.
+fn with_causes(diagnosis: &Diagnosis, finding: Finding) -> Finding {
+    let causes = diagnosis.sentence();
+    let parts = [finding.detail.as_str(), causes.as_str()].map(str::trim);
+    let detail = parts
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ");
+    finding.detail(detail)
+}
+
+/// The finding, deferring to the rule of the measurement that shows the fault best.
 pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, finding: Finding) -> Finding {
     match (diagnosis.shown_by.filter(|aspect| Some(*aspect) != own), &imu.mount) {
         (Some(Aspect::Body), Some(mount)) => {
@@ -54,7 +66,7 @@ pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, findi
     }
 }
 
-/// The rule that looks at an aspect.
+/// The rule of a measurement.
 pub(crate) fn rule_of(aspect: Aspect) -> RuleCode {
     match aspect {
         Aspect::Base => codes::AXES01,

@@ -1,4 +1,4 @@
-//! The finding on a declaration.
+//! The finding about a declaration.
 
 use crate::analysis::camera::fault::Fault;
 use crate::source::Place;
@@ -11,6 +11,7 @@ impl Fault {
         } else {
             Finding::warning(subject, self.message, place)
         };
-        finding.relation(self.relation).help(self.help).measured(self.measured)
+        let finding = finding.relation(self.relation).detail(self.detail);
+        finding.help(self.help).measured(self.measured)
     }
 }

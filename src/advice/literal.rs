@@ -1,4 +1,4 @@
-//! Literals rewritten: how a number is spelled in a fix, and what its text says about it.
+//! Literals in fixes: how a number is written, and what its text shows.
 
 use nalgebra::Matrix3;
 
@@ -23,7 +23,7 @@ pub(crate) fn rewrite(world: &World, source: SourceId, literal: &Literal, text: 
     replace(world, Place::text(source, literal.span), &literal.text, text)
 }
 
-/// Replaces the text `written` at `place`. `None` where something else stands there.
+/// Replaces the text `written` at `place`. `None` where the text there is different.
 pub(crate) fn replace(world: &World, place: Place, written: &str, text: impl Into<String>) -> Option<Edit> {
     let span = place.span()?;
     let there = world.source(place.source)?.text.get(span.start..span.end)?;
@@ -41,7 +41,7 @@ pub(crate) fn with_fix(finding: Finding, title: &str, safety: Safety, edits: Opt
     }
 }
 
-/// Whether the text is spelled as NaN or infinity (`nan`, `.inf`, `1e999`), as against no number at all.
+/// Whether the text is a spelling of NaN or infinity (`nan`, `.inf`, `1e999`), not text without a number.
 pub(crate) fn is_spelled_non_finite(literal: &Literal) -> bool {
     if literal.value.is_finite() {
         return false;
@@ -59,7 +59,7 @@ pub(crate) fn is_spelled_non_finite(literal: &Literal) -> bool {
         .any(|text| text.parse::<f64>().is_ok_and(|value| !value.is_finite()))
 }
 
-/// Whether the text is a macro (`${width/2}`, `$(optenv ...)`) that something else expands.
+/// Whether the text is a macro (`${width/2}`, `$(optenv ...)`) that xacro or roslaunch expands.
 pub(crate) fn is_macro(text: &str) -> bool {
     text.contains("${") || text.contains("$(")
 }

@@ -1,4 +1,4 @@
-//! What several rules say alike: edits of files, words of a difference, rows for many subjects.
+//! What several rules share: edits of files, the description of a difference, rows for many subjects.
 //!
 //! Knows worlds, estimates and findings. Must not judge.
 

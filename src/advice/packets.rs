@@ -1,4 +1,4 @@
-//! What is said of recordings that hold packets of lidars, and no clouds of theirs.
+//! Reports of recordings that hold packets of lidars, but no clouds.
 
 use crate::analysis::lidar::Clouds;
 use crate::tables::Lidar;
@@ -6,7 +6,7 @@ use crate::verdict::Judge;
 use crate::world::{World, bag::TopicEvidence};
 
 impl Clouds<'_> {
-    /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
+    /// Reports for recordings that hold packets of lidars, but no clouds, that packets are not read.
     pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
         Self::say_packets_of(world, of, |_| true, out);
     }
@@ -17,7 +17,7 @@ impl Clouds<'_> {
             if Clouds::all(world).any(|clouds| clouds.index == index) {
                 continue;
             }
-            // One type may carry what the beams measured and what the inertial sensor did.
+            // One type may carry packets of the beams and of the IMU.
             let may_be = |topic: &&TopicEvidence| topic.count > 0 && !topic.words().iter().any(|word| word == "imu");
             for topic in bag.topics.values().filter(may_be) {
                 let plain = topic.message_type.replace("/msg/", "/");
@@ -26,7 +26,7 @@ impl Clouds<'_> {
                     continue;
                 };
                 let why = format!(
-                    "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
+                    "`{}` holds packets of {}, which are not read: record the clouds of the driver as well",
                     topic.topic, lidar.name
                 );
                 out.missing(format!("{of} of topic `{}`", topic.topic), why);

@@ -1,4 +1,4 @@
-//! Places for findings about frames, and edits that rename a frame wherever a text spells it.
+//! Places for findings about frames, and edits that rename a frame everywhere in a text.
 //!
 //! Owns the choice of the first place. Must not judge.
 
@@ -29,7 +29,7 @@ pub(crate) fn rpy_edit(world: &World, edge: &Edge, rpy: &str) -> Option<Edit> {
     })
 }
 
-/// Edits that exchange what stands at two places of one text; `None` where that text cannot be edited safely.
+/// Edits that exchange the texts at two places; `None` where that text cannot be edited safely.
 pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit>> {
     let text = |place: &Place| {
         let source = world.source(place.source).filter(|source| source.derived.is_none())?;
@@ -44,14 +44,14 @@ pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit
     Some(vec![edit(a, at_b), edit(b, at_a)])
 }
 
-/// Where texts spell frames.
+/// The places of frame names in texts.
 pub(crate) struct Spelled<'w> {
     world: &'w World,
     places: BTreeMap<&'w str, BTreeSet<&'w Place>>,
 }
 
 impl<'w> Spelled<'w> {
-    /// Looks through the texts of a world once.
+    /// Searches the texts of a world once.
     pub(crate) fn of(world: &'w World) -> Self {
         let links = world.robots.iter().flat_map(|robot| &robot.links);
         let joints = world.robots.iter().flat_map(|robot| &robot.joints);
@@ -75,8 +75,8 @@ impl<'w> Spelled<'w> {
         Self { world, places }
     }
 
-    /// Edits that replace a name by another in every text that spells it; `None` where one of its places is a text that
-    /// cannot be edited safely, or where no text spells it.
+    /// Edits that replace a name everywhere; `None` where one of its places is a text that cannot be edited safely, or where no
+    /// text contains it.
     pub(crate) fn rename_edits(&self, spelled: &FrameId, to: &str) -> Option<Vec<Edit>> {
         if to.is_empty() || to.contains(['<', '>', '&', '"', '\'', ':', '#']) {
             return None;

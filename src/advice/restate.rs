@@ -1,7 +1,7 @@
-//! A transform stated anew where it stands: other numbers in the same layout.
+//! Rewrites a transform where it is written: other numbers in the same layout.
 //!
 //! Which layout that is (the order of a quaternion, the sequence of angles, rows or columns, metres or millimetres, the direction) is found by
-//! putting the literals together in every known way and keeping those that give the transform which was read. Where two ways do, and would
+//! combining the literals in every known way and keeping those that give the transform which was read. If two ways do, and would
 //! write different numbers, nothing is written.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -11,7 +11,7 @@ use crate::math::rotation::{from_rpy, nearest_rotation, rotation_angle_between, 
 use crate::verdict::Edit;
 use crate::world::{Claim, Literal, World};
 
-/// How far a layout may be off the transform that was read: what double precision and printed digits leave.
+/// How far a layout may be off the transform that was read: rounding of double precision and printed digits.
 const SAME_RAD: f64 = 1e-6;
 /// Metres.
 const SAME_M: f64 = 1e-6;
@@ -21,7 +21,7 @@ const SAME_M: f64 = 1e-6;
 enum Form {
     /// A quaternion: the place of `w`, and whether it is conjugated (JPL).
     Quaternion { w_first: bool, is_conjugate: bool },
-    /// Three angles: whether yaw stands first, and whether they are degrees.
+    /// Three angles: whether yaw is first, and whether they are degrees.
     Angles { yaw_first: bool, degrees: bool },
     /// A matrix of so many columns, row by row or column by column.
     Matrix { cols: usize, by_columns: bool },
@@ -37,7 +37,7 @@ struct Layout {
     is_inverse: bool,
 }
 
-/// The edits that make a claim state `pose`, in its own direction, where its numbers stand. `None` where they can't be written there.
+/// The edits that make a claim state `pose`, in its own direction. `None` where its numbers can't be edited.
 pub(crate) fn restated(world: &World, claim: &Claim, pose: &Isometry3<f64>) -> Option<Vec<Edit>> {
     if !(claim.has_rotation && claim.has_translation) {
         return None;
@@ -132,7 +132,7 @@ impl Layout {
         Some(if self.is_inverse { read.inverse() } else { read })
     }
 
-    /// Where an entry of the matrix stands among the literals.
+    /// The index of an entry of the matrix among the literals.
     fn index(&self, row: usize, col: usize) -> usize {
         match self.form {
             Form::Matrix { cols, by_columns } if by_columns => col * cols + row,
@@ -156,7 +156,7 @@ impl Layout {
                 } else {
                     pose.rotation
                 };
-                // Of the two quaternions of one rotation, that whose w has the sign that stood there.
+                // Of the two quaternions of one rotation, the one whose w keeps its sign.
                 let w = claim.rotation_literals.get(if w_first { 0 } else { 3 })?.value;
                 if (w < 0.0) != (q.w < 0.0) {
                     q = UnitQuaternion::new_unchecked(-q.into_inner());

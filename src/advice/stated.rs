@@ -1,4 +1,4 @@
-//! Who states the two sides of a finding on a pair of statements, and what the user can say to make a guess of it certain.
+//! The sources of the two sides of a finding about a pair of statements, and the configuration that would confirm a guess.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,8 +20,8 @@ impl Statement {
 }
 
 impl Pair {
-    /// Says of a finding at the other statement who states it and how sure the reading is, and points at the reference
-    /// and at the other sources that take one side or the other.
+    /// Adds to a finding at the other statement its source and how sure the reading is, and points at the reference
+    /// and at the sources that agree with either side.
     pub(crate) fn point_at_all(&self, finding: Finding) -> Finding {
         self.point_at_all_with(finding, Confidence::Hint)
     }
@@ -38,7 +38,7 @@ impl Pair {
             let not_shown = seconding.clone().count().saturating_sub(MOST_SHOWN);
             for (index, (_, place, who)) in seconding.take(MOST_SHOWN).enumerate() {
                 let and_others = if index + 1 == MOST_SHOWN && not_shown > 0 {
-                    format!(", and so do {not_shown} other sources")
+                    format!(", as do {not_shown} other sources")
                 } else {
                     String::new()
                 };
@@ -52,11 +52,11 @@ impl Pair {
     }
 }
 
-/// A frame to be told by, and the frame that takes points from it.
+/// The target frame and the source frame.
 type Names = (FrameId, FrameId);
 
-/// A finding that is a hint says what in the configuration would make it certain: whose frames the names of a program's sensors are,
-/// where there is a better name for them than that, and which way a guessed statement goes.
+/// Adds to a hint the configuration that would make it certain: which frames the names of a program's sensors mean, where there is
+/// a better name for them, and the direction of a guessed statement.
 pub(crate) fn settled_by_user<'s>(
     mut finding: Finding,
     statements: impl IntoIterator<Item = (&'s Statement, Option<&'s Names>)>,
@@ -97,7 +97,7 @@ pub(crate) fn settled_by_user<'s>(
         let end = if finding.help.ends_with(['.', ' ']) { "" } else { "." };
         let keys = keys.join(" and ");
         finding.help = format!(
-            "{}{end} If these are the frames, {keys} in frames-lint.yaml makes it more than a hint",
+            "{}{end} If these are the frames, confirm it with {keys} in frames-lint.yaml: then it is no longer a hint",
             finding.help.trim_end()
         );
     }

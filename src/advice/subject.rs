@@ -1,10 +1,10 @@
-//! How robots, joints and links are called in rows, and which robots can be judged as a whole.
+//! Rows for robots, and which robots can be judged as a whole.
 
 use crate::analysis::urdf::called::robot;
 use crate::verdict::Judge;
 use crate::world::{World, robot::Robot};
 
-/// The robots that were read whole. A fragment gets its row here: what it lacks may stand in another file.
+/// The robots that were read completely. A fragment gets its row here: what it lacks may be in another file.
 pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Robot> {
     let (fragments, whole): (Vec<&Robot>, Vec<&Robot>) =
         world.robots.iter().partition(|robot| robot.fragment.is_some());
@@ -18,7 +18,7 @@ pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Rob
     whole
 }
 
-/// A row for a robot that has nothing of the kind the rule is about.
+/// A row for a robot that has nothing for the rule to judge.
 pub(crate) fn nothing(world: &World, of: &Robot, what: &str, out: &mut Judge) {
     out.not_applicable(robot(world, of), format!("it has no {what}"));
 }

@@ -1,4 +1,4 @@
-//! Subjects that are right, told as one row for each source: a robot of a hundred joints is one line, not a hundred.
+//! Subjects that pass, in one row for each source: a robot of a hundred joints is one line, not a hundred.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use crate::source::SourceId;
 use crate::verdict::{Judge, Measured};
 use crate::world::World;
 
-/// Counts what was found right, source by source, and keeps the number that came nearest to its limit.
+/// Counts subjects that pass, by source, and keeps the largest measurement.
 #[derive(Debug)]
 pub(crate) struct Tally {
     what: &'static str,
@@ -22,7 +22,7 @@ impl Tally {
         }
     }
 
-    /// One more subject of `source` was judged and is right. The row shows the measurement of largest size.
+    /// One more subject of `source` passes. The row shows the largest measurement.
     pub(crate) fn pass(&mut self, source: SourceId, measured: Measured) {
         let (count, worst) = self.passed.entry(source).or_default();
         *count += 1;
@@ -34,15 +34,15 @@ impl Tally {
         }
     }
 
-    /// One more subject of `source` is right, where there is nothing to measure but that it was looked at.
+    /// One more subject of `source` passes, without a measurement.
     pub(crate) fn count(&mut self, source: SourceId) {
         self.passed.entry(source).or_default().0 += 1;
     }
 
-    /// Writes one `pass` for each source that has something to show.
+    /// Writes one `pass` for each source with subjects that pass.
     pub(crate) fn report(self, world: &World, out: &mut Judge) {
         for (source, (count, worst)) in self.passed {
-            let checked = Measured::count(format!("{} judged right", self.what), count);
+            let checked = Measured::count(format!("{} that pass", self.what), count);
             out.pass(
                 format!("{} of {}", self.what, world.path(source)),
                 worst.into_iter().chain([checked]),

@@ -1,4 +1,4 @@
-//! Faults of several streams that have one cause, told once.
+//! Faults of several streams with one cause, reported once.
 //!
 //! Must not know what is wrong with the streams.
 
@@ -8,7 +8,7 @@ use crate::verdict::{Finding, Judge, Label, PlaceRole};
 const NAMED: usize = 3;
 
 /// Gives findings of different streams that have one cause as one: the first, which names the others and points at them.
-/// `more` says what the others do ("run the same way"); where it is empty, the message speaks of all already.
+/// `more` says what the others do ("run the same way"); where it is empty, the message is about all of them already.
 /// The others are explained by the first, and count as it does.
 pub(crate) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
     let mut findings = findings.into_iter();
@@ -29,12 +29,12 @@ pub(crate) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
             0 => String::new(),
             n => format!(" and {n} more"),
         };
-        first.message = format!("{}; {}{rest} {more}", first.message, named.join(", "));
+        first = first.detail(format!("Others: {}{rest} {more}.", named.join(", ")));
     }
     let (cause, severity, confidence) = (first.subject.clone(), first.severity, first.confidence);
     out.fail(first);
     for mut other in others {
-        // One cause is one judgement: the others count for no more than the one that speaks for them.
+        // One cause is one judgement: the others count no more than the one that reports it.
         (other.severity, other.confidence) = (severity, confidence);
         out.fail(other.same_cause_as(cause.as_str()));
     }

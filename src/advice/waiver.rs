@@ -1,8 +1,8 @@
-//! Words for what a user accepts.
+//! Names of waivers and baselines in messages.
 
 use crate::verdict::waiver::Waiver;
 
-/// What an acceptance is called: what it is, for what, and where it stands.
+/// The name of an acceptance: its kind, what it is for, and where it is written.
 pub(crate) fn subject(waiver: &Waiver) -> String {
     format!(
         "{} {}{} ({})",
@@ -18,7 +18,7 @@ pub(crate) fn opening(waiver: &Waiver) -> String {
     format!("this {} for {}{}", waiver.kind.word(), waiver.rule, about(waiver))
 }
 
-/// What it is for besides the rule, behind a blank, or nothing.
+/// What it is for besides the rule, behind a space, or nothing.
 fn about(waiver: &Waiver) -> String {
     if waiver.about.is_empty() {
         String::new()

@@ -1,4 +1,4 @@
-//! A world with the settings of a run, and what has been worked out of both so far.
+//! A world with the settings of a run, and the estimates made of both so far.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
@@ -11,10 +11,10 @@ use crate::world::World;
 
 use super::settings::Settings;
 
-/// What rules read: the world, the limits in force, and estimates, each made when it is first asked for.
+/// Input of the rules: the world, the limits in force, and estimates, each made on first use.
 ///
-/// It dereferences to the world. It belongs to one thread: nothing is locked while an estimate is made, so an estimate may ask for
-/// others. Estimates cannot ask for each other in a circle, because their files do not import each other in one.
+/// It dereferences to the world. It belongs to one thread: nothing is locked while an estimate is made, so an estimate may use
+/// others. Estimates cannot use each other in a cycle, because their files do not import each other in one.
 pub struct Estimates<'w> {
     world: &'w World,
     settings: &'w Settings,
@@ -22,7 +22,7 @@ pub struct Estimates<'w> {
 }
 
 impl<'w> Estimates<'w> {
-    /// Nothing is made yet.
+    /// Without estimates.
     pub fn new(world: &'w World, settings: &'w Settings) -> Self {
         Self {
             world,
@@ -31,7 +31,7 @@ impl<'w> Estimates<'w> {
         }
     }
 
-    /// The estimate of this type, made where there is none.
+    /// The estimate of this type, made on first use.
     pub(crate) fn once<T: Any>(&self, make: impl FnOnce(&Self) -> T) -> Rc<T> {
         let known = self.made.borrow().get(&TypeId::of::<T>()).cloned();
         if let Some(known) = known.and_then(|known| known.downcast().ok()) {
@@ -42,7 +42,7 @@ impl<'w> Estimates<'w> {
         made
     }
 
-    /// The limits of this type, as the page and the configuration have them.
+    /// The limits of this type, by the page and the configuration.
     pub(crate) fn limits<L: Any + Send + Sync>(&self) -> Arc<L> {
         self.settings.limits()
     }
@@ -64,7 +64,7 @@ mod tests {
     struct Outer(u32);
 
     #[test]
-    fn an_estimate_is_made_once_and_may_ask_for_others() {
+    fn an_estimate_is_made_once_and_may_use_others() {
         let (world, settings) = (World::default(), Settings::default());
         let estimates = Estimates::new(&world, &settings);
         let outer = |estimates: &Estimates| Outer(estimates.once(|_| Inner(20)).0 + 1);

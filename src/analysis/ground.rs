@@ -1,6 +1,6 @@
-//! What lies under the lidars of a world: the planes that their clouds stand on, sought once for all rules.
+//! The ground below lidars: planes in their clouds, searched once for all rules.
 //!
-//! Owns from where they are sought, and which of six sides is the ground. Must not judge.
+//! Owns the position of the search, and which of six sides is the ground. Must not judge.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use crate::analysis::{Estimates, lidar::Clouds, names};
 use crate::math::support::{Options, Support, support};
 use crate::world::World;
 
-/// The sides of a cloud's axes, each beside its opposite, and what they are called.
+/// The sides of a cloud's axes, each next to its opposite, and their names.
 pub(crate) const SIDES: [([f64; 3], &str); 6] = [
     ([0.0, 0.0, 1.0], "z"),
     ([0.0, 0.0, -1.0], "-z"),
@@ -22,40 +22,40 @@ pub(crate) const SIDES: [([f64; 3], &str); 6] = [
     ([0.0, -1.0, 0.0], "-y"),
 ];
 
-/// Points of a cloud in which planes are sought.
+/// Points of a cloud in which planes are searched.
 const POINTS: usize = 1500;
 
 /// The plane opposite to each side of the axes of one cloud.
 pub(crate) type Sides = [Option<Support>; 6];
 
-/// What a plane must have to be a ground.
+/// Criteria for a plane to be the ground.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IsGround {
-    /// Least share of the points on it.
+    /// Minimum share of the points on it.
     pub(crate) min_on: f64,
-    /// Least share of the points above it; an open place has fewer, and lies in at least such a share of the sectors that are seen.
+    /// Minimum share of the points above it; in an open place, minimum share of the visible sectors instead.
     pub(crate) min_above: f64,
     pub(crate) min_around: f64,
-    /// Least share of its points that are seen at a grazing angle.
+    /// Minimum share of its points at a grazing angle.
     pub(crate) min_far: f64,
-    /// Share of the points beneath it from which on it is none.
+    /// Maximum share of the points below it.
     pub(crate) max_below: f64,
-    /// Largest share of its points near the sensor's own horizon.
+    /// Maximum share of its points near the sensor's own horizon.
     pub(crate) max_at_horizon: f64,
-    /// Least height of the sensor, metres.
+    /// Minimum height of the sensor, metres.
     pub(crate) least_m: f64,
-    /// Least score.
+    /// Minimum score.
     pub(crate) min_score: f64,
-    /// What a sensor that sees fewer sectors than this does not look around; then least share on the ground, and least score.
+    /// A sensor with fewer visible sectors has a narrow field of view; then minimum share on the ground, and minimum score.
     pub(crate) narrow: usize,
     pub(crate) narrow_on: f64,
     pub(crate) narrow_score: f64,
-    /// How many times the next side's score it must have.
+    /// Minimum ratio to the next side's score.
     pub(crate) min_ratio: f64,
 }
 
 impl IsGround {
-    /// Least share of the points on a plane and least score, by how far around the sensor sees.
+    /// Minimum share of the points on a plane and minimum score, by the sensor's field of view.
     pub(crate) fn least(&self, plane: &Support) -> (f64, f64) {
         if plane.seen < self.narrow {
             (self.narrow_on, self.narrow_score)
@@ -68,16 +68,16 @@ impl IsGround {
 /// The ground in one cloud.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ground {
-    /// Opposite to which of [`SIDES`] it lies.
+    /// The one of [`SIDES`] that it is opposite to.
     pub(crate) side: usize,
-    /// Cells on it, less for what lies beneath.
+    /// Cells on it, reduced by points below it.
     pub(crate) score: f64,
-    /// The same of the next side.
+    /// The same for the next best side.
     pub(crate) next: f64,
     /// The plane.
     pub(crate) plane: Support,
-    /// Cells on a ceiling: a plane on the opposite side with hardly anything beyond it, or with as many points as a ground has. Any
-    /// level plane passes through the walls of a street.
+    /// Cells on a ceiling: a plane on the opposite side with hardly any points beyond it, or with as many points as a ground. Any level
+    /// plane intersects the walls of a street.
     pub(crate) ceiling_cells: f64,
 }
 
@@ -87,7 +87,7 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    /// Those of a world; worked out once.
+    /// Those of a world; made once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         world.once(|world| Self {
             by_topic: Clouds::all(world)
@@ -107,7 +107,7 @@ impl Planes {
         grounds.map(|(_, ground)| ground).collect()
     }
 
-    /// The same, each with which of the sampled clouds shows it.
+    /// The same, each with the index of its sampled cloud.
     pub(crate) fn grounds_by_cloud(&self, clouds: &Clouds, is: &IsGround) -> Vec<(usize, Ground)> {
         let key = (clouds.index, clouds.topic.topic.clone());
         let sides = self.by_topic.get(&key).into_iter().flatten().enumerate();
@@ -117,8 +117,8 @@ impl Planes {
     }
 }
 
-/// Where the sensor is in the axes of its cloud, metres: at the origin, or, where the cloud is expressed in the base, where TF has
-/// the only lidar. `None` where nothing says it.
+/// Position of the sensor in its cloud, metres: the origin, or, for a cloud expressed in the base, the only lidar by TF. `None` if it
+/// is unknown.
 pub(crate) fn sensor_in_cloud(world: &World, clouds: &Clouds) -> Option<Vector3<f64>> {
     let frame = clouds.frame()?;
     if !names::is_base(&frame) || names::is_device(&frame) {
@@ -138,7 +138,7 @@ pub(crate) fn sensor_in_cloud(world: &World, clouds: &Clouds) -> Option<Vector3<
     places.all(|place| (place - first).norm() < 0.2).then_some(first)
 }
 
-/// The planes of each sampled cloud, sought from where the sensor is.
+/// The planes of each sampled cloud, searched from the sensor's position.
 pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Sides> {
     let samples = clouds.evidence.samples.iter();
     samples
@@ -151,7 +151,7 @@ pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Side
         .collect()
 }
 
-/// The side that the ground of a cloud lies opposite to; `None` where no plane is surely the ground.
+/// The side that the ground of a cloud is opposite to; `None` if no plane is clearly the ground.
 pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
     let scores = sides.map(|plane| plane.map_or(0.0, |plane| score(&plane, is)));
     let mut order: Vec<usize> = (0..sides.len()).collect();
@@ -178,12 +178,12 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
     })
 }
 
-/// The cells on a plane, less where points lie beneath it.
+/// The cells on a plane, reduced by points below it.
 fn score(plane: &Support, is: &IsGround) -> f64 {
     plane.cells as f64 * (1.0 - plane.below / is.max_below).max(0.0)
 }
 
-/// The side that most of the grounds lie opposite to, and how many do.
+/// The side that most of the grounds are opposite to, and their number.
 pub(crate) fn most(grounds: &[Ground]) -> Option<(usize, usize)> {
     let count = |side: usize| grounds.iter().filter(|ground| ground.side == side).count();
     let counts = (0..SIDES.len()).map(|side| (side, count(side)));
@@ -219,7 +219,7 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// What a ground is.
+    /// Criteria of a ground.
     pub(crate) fn is_ground(&self) -> IsGround {
         IsGround {
             min_on: self.min_on,
@@ -237,14 +237,14 @@ impl Limits {
         }
     }
 
-    /// The side that enough of the clouds agree on; else why there is none.
+    /// The side that enough clouds agree on, or why there is none.
     pub(crate) fn agreed(&self, clouds: &Clouds, grounds: &[Ground]) -> Result<usize, String> {
         let (side, count) = most(grounds).unwrap_or_default();
         if count >= self.min_clouds && count as f64 >= self.min_agreement * grounds.len() as f64 {
             return Ok(side);
         }
         Err(format!(
-            "{} of {} sampled clouds show a ground, {count} of them on one side; {} are needed",
+            "only {} of {} sampled clouds show a ground, {count} of them on one side, {} are needed",
             grounds.len(),
             clouds.evidence.samples.len(),
             self.min_clouds
@@ -259,8 +259,8 @@ mod tests {
     use crate::rules::pages;
     use std::collections::BTreeMap;
 
-    /// What a sensor at the origin sees, looking along x: 70 degrees across, from 25 degrees down to 15 up. The ground lies so far beneath
-    /// it, a wall so far ahead, and a fifth of the rays ends on the way.
+    /// The planes of a sensor at the origin, facing x: 70 degrees wide, from 25 degrees down to 15 up, with the ground and a wall at these
+    /// distances; a fifth of the rays ends before.
     fn seen(ground_m: f64, wall_m: f64) -> Sides {
         let mut rng = Rng::new(3);
         let points: Vec<Vector3<f64>> = (0..1500)
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_that_looks_ahead_sees_the_ground_and_takes_no_wall_for_it() {
+    fn a_sensor_that_faces_ahead_finds_the_ground_and_no_wall() {
         let limits = pages::AXES10.limits::<Limits>(&BTreeMap::new()).unwrap().is_ground();
         let side = |ground_m, wall_m| ground(&seen(ground_m, wall_m), &limits).map(|ground| ground.side);
         assert_eq!(side(1.8, 60.0), Some(0));

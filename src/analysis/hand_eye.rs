@@ -1,6 +1,6 @@
-//! A lidar's own motion beside that of the platform it is on: pairs of motions that the mounting must bring together.
+//! A lidar's own motion and that of its platform: pairs of motions that the mounting must match.
 //!
-//! Owns which poses are held against which lidar, and the pairs. Must not judge.
+//! Owns which poses are compared with which lidar, and the pairs. Must not judge.
 
 use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
@@ -15,17 +15,17 @@ use crate::world::{FrameId, World, motion::PoseRow};
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
 
-/// How much later or earlier than its stamp a scan may show the platform: so many steps, and their length in seconds. A turn at 10 Hz is 0.1,
-/// and where stamps are of another clock, a cloud is logged some tenths after it was made.
+/// Range of the searched time offset between scans and poses: number of steps, and their length in seconds. A sweep at 10 Hz takes 0.1 s,
+/// and with stamps of another clock a cloud is logged some tenths after it was measured.
 const MAX_LATE: i32 = 60;
 const LATE_STEP_S: f64 = 0.01;
-/// Turns that differ by this many times the least mean square, and by this angle besides, are explained alike.
+/// Offsets within this factor of the lowest mean square, plus the square of this angle, explain the turns equally well.
 const ALIKE: f64 = 1.5;
 const ALIKE_RAD: f64 = 0.0005;
-/// And by this many times, not alike at all.
+/// From this factor on, they do not.
 const UNLIKE: f64 = 4.0;
 
-/// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
+/// Words of topics with poses estimated from scans: those agree with any mounting, because they used it.
 const BY_SCANS: [&str; 19] = [
     "lio",
     "loam",
@@ -48,41 +48,41 @@ const BY_SCANS: [&str; 19] = [
     "slam",
 ];
 
-/// Least part of up that lies along z of the body, where the transforms turn the lidar's up to: 60 degrees. A turned axis is AXES10's.
+/// Cosine of the largest angle between the lidar's up, by the transforms, and z of the body: 60 degrees. AXES10 judges the rest.
 const LEAST_UP: f64 = 0.5;
-/// Turning of all pairs, root mean square, from which on its sign and its moment are looked at, radians: 0.5 degrees.
+/// Rotation of all pairs (rms) from which on its sign and its time offset are evaluated, radians: 0.5 degrees.
 const LEAST_TURN_RAD: f64 = 0.0087;
-/// Turning of the scans over that of the poses from which on they surely turn to the same side, or to the other.
+/// Rotation of the scans over that of the poses from which on its sign is clear.
 const SURE: f64 = 0.5;
 
-/// A lidar whose motion is known twice.
+/// A lidar with its motion by scans and by poses.
 pub(crate) struct HandEye {
     /// The frame that the poses move.
     pub(crate) body: FrameId,
     /// The frame of the cloud.
     pub(crate) lidar: FrameId,
-    /// `body_from_lidar`, as the transforms say.
+    /// `body_from_lidar`, by the transforms.
     pub(crate) told: Isometry3<f64>,
-    /// What reports call the poses, and where they are.
+    /// Name of the poses in reports, and their place.
     pub(crate) poses: (String, Place),
     /// Pairs of motions.
     pub(crate) pairs: Vec<Pair>,
-    /// The moment that the scans show.
+    /// The time offset of the scans.
     pub(crate) late: Late,
 }
 
-/// How much later than its stamp the platform was where a scan shows it.
+/// Time offset between scans and poses.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Late {
-    /// Seconds; zero where nothing turns.
+    /// Seconds; zero without rotation.
     by_s: f64,
-    /// How far that may be off, seconds: others explain the turns nearly as well.
+    /// Uncertainty, seconds: other offsets explain the rotation nearly as well.
     pub(crate) unsure_s: f64,
-    /// Whether what explains them best is the latest or the earliest that was tried, and the stamps do not.
+    /// Whether the best offset is at the end of the searched range, and zero does not fit.
     is_beyond: bool,
 }
 
-/// The same motion, twice: the later in the axes of the earlier.
+/// The same motion by poses and by scans: the later pose in the axes of the earlier.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
     /// Of the body, by its poses.
@@ -92,17 +92,17 @@ pub(crate) struct Pair {
     /// Standard errors of the scans' match, radians and metres.
     pub(crate) sigma_rad: f64,
     pub(crate) sigma_m: f64,
-    /// How long they took, seconds.
+    /// Duration, seconds.
     pub(crate) lasted_s: f64,
 }
 
 impl Pair {
-    /// How far the lidar went, and how far it turned: metres and radians.
+    /// Distance and rotation of the lidar: metres and radians.
     pub(crate) fn size(&self) -> (f64, f64) {
         (self.lidar.translation.vector.norm(), self.lidar.rotation.angle())
     }
 
-    /// The residual where `body_from_lidar` brings the two together, metres: two metres a radian besides.
+    /// The residual of the two with `body_from_lidar`, metres, plus two metres per radian.
     pub(crate) fn residual_m(&self, body_from_lidar: &Isometry3<f64>) -> f64 {
         let left = (self.body * body_from_lidar).inv_mul(&(body_from_lidar * self.lidar));
         left.translation.vector.norm() + 2.0 * left.rotation.angle()
@@ -110,8 +110,8 @@ impl Pair {
 }
 
 impl HandEye {
-    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none. One that turns against the poses
-    /// has none: what that is, AXES11 says.
+    /// The pairs of a lidar, for the motions picked from its steps; or why there are none. A lidar that rotates opposite to the poses has
+    /// none: AXES11 reports it.
     pub(crate) fn of(
         world: &Estimates,
         clouds: &Clouds,
@@ -121,12 +121,12 @@ impl HandEye {
         match known.turns_along() {
             None if sweeps_the_other_way(clouds, &world.limits()) => {
                 let why =
-                    "its points sweep to the other side, as in a mirror image, and no turn shows that they are none";
+                    "its points sweep in the reverse direction, as in a mirrored cloud, and no turn rules that out";
                 Err((NotEvaluated::NotApplicable, why.to_owned()))
             }
             Some(false) => {
                 let why = format!(
-                    "its scans turn against {}: no mounting brings a mirror image together with them",
+                    "its scans rotate opposite to {}, as in a mirrored cloud, which no mounting explains",
                     known.poses.0
                 );
                 Err((NotEvaluated::NotApplicable, why))
@@ -135,28 +135,27 @@ impl HandEye {
         }
     }
 
-    /// [`Self::of`], whichever way it turns.
+    /// [`Self::of`], without the check of the sense of rotation.
     pub(crate) fn unchecked(
         world: &Estimates,
         clouds: &Clouds,
         pick: impl Fn(&Steps) -> Vec<Moved>,
     ) -> Result<Self, (NotEvaluated, String)> {
         if !clouds.is_of_a_lidar() {
-            let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
+            let why = "not recognised as raw points of a lidar by its fields, topic or frame".to_owned();
             return Err((NotEvaluated::NotApplicable, why));
         }
         let missing = |why: &str| (NotEvaluated::MissingInput, why.to_owned());
         let (motion, scans) = (Motion::of(world), ScanMotion::of(world));
-        let lidar = clouds.frame().ok_or_else(|| missing("the clouds name no frame"))?;
-        let no_poses = || missing("no poses of a frame that is tied to it say how the platform moved");
+        let lidar = clouds.frame().ok_or_else(|| missing("the clouds have no `frame_id`"))?;
+        let no_poses = || missing("no poses to compare with: record those of a frame that TF ties to the lidar");
         let steps = scans.steps(clouds).ok_or_else(no_poses)?;
         if steps.is_up.is_none() {
             return Err((NotEvaluated::TooLittleEvidence, steps.why.to_owned()));
         }
         let tied = tied(world, &motion, clouds, &lidar);
         if !tied.is_empty() && tied.iter().all(|(poses, ..)| is_by_scans(poses)) {
-            let why =
-                "the poses are worked out of scans of a lidar, and agree with whatever mounting they were told by";
+            let why = "the poses are estimated from scans of a lidar, so they agree with the mounting that they used";
             return Err(missing(why));
         }
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
@@ -182,20 +181,20 @@ impl HandEye {
         let best = best.ok_or_else(no_poses)?;
         if best.late.is_beyond {
             let why = format!(
-                "its scans turn when {} do not: their clocks are further apart than is looked for",
+                "its scans rotate when {} do not: their clock offset is larger than the searched range",
                 best.poses.0
             );
             return Err((NotEvaluated::TooLittleEvidence, why));
         }
         let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
         if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
-            let why = format!("the ground does not lie beneath `{}`", best.body);
+            let why = format!("by the transforms the ground is not below `{}`", best.body);
             return Err((NotEvaluated::NotApplicable, why));
         }
         Ok(best)
     }
 
-    /// `world_from_body` at the moment of a cloud, by its poses.
+    /// `world_from_body` at the time of a cloud, by its poses.
     pub(crate) fn body_at(
         &self,
         world: &World,
@@ -215,7 +214,7 @@ impl HandEye {
         }
     }
 
-    /// Whether the scans turn to the side that the poses turn to, where both turn.
+    /// Whether the scans rotate in the same sense as the poses, if both rotate.
     fn turns_along(&self) -> Option<bool> {
         let turns = self.pairs.iter().map(|pair| {
             let lidar = self.told.rotation * pair.lidar.rotation.scaled_axis();
@@ -229,7 +228,7 @@ impl HandEye {
     }
 }
 
-/// Poses of a frame that is tied to the lidar: `body_from_lidar`, as the transforms say.
+/// Poses of a frame that is tied to the lidar, with `body_from_lidar` by the transforms.
 pub(crate) fn tied<'m>(
     world: &World,
     motion: &'m Motion,
@@ -245,7 +244,7 @@ pub(crate) fn tied<'m>(
     tied.collect()
 }
 
-/// Whether poses are worked out of scans, by the words of their topic.
+/// Whether poses are estimated from scans, by the words of their topic.
 pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
     let topic = poses.topic.to_lowercase();
     let words: Vec<&str> = topic.split(|letter: char| !letter.is_alphanumeric()).collect();
@@ -254,7 +253,7 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
     is_lidar_odometry || words.iter().any(|word| BY_SCANS.contains(word))
 }
 
-/// The motions of both between the clouds that were matched, and their moment.
+/// The motions of both between matched clouds, and their time offset.
 fn pairs(steps: &Steps, moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
@@ -275,11 +274,11 @@ fn pairs(steps: &Steps, moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>,
     (moved.iter().filter_map(pair).collect(), late)
 }
 
-/// Where both turn most alike. A stamp is that of the first point or of the last, and what a scan shows is the middle.
+/// The time offset at which the rotations of both match best. A stamp is that of the first or last point, a scan shows the middle.
 fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
     let orientation = |moment: &Moment, late_s: f64| turned.at(moment.on(poses.stamp_offset_s) + late_s, MAX_STEP_S);
-    // Which way is up is not asked here: angles alone are compared.
-    let left = |late_s: f64| {
+    // Only the magnitudes of the angles are compared.
+    let residual = |late_s: f64| {
         let squares = moved.iter().filter_map(|moved| {
             let body = orientation(&moved.from, late_s)?.inverse() * orientation(&moved.to, late_s)?;
             Some((body.angle() - moved.turned_rad().abs()).powi(2))
@@ -288,15 +287,15 @@ fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
         (count > 0).then(|| sum / f64::from(count))
     };
     let tried = (-MAX_LATE..=MAX_LATE).map(|steps| f64::from(steps) * LATE_STEP_S);
-    let found: Vec<(f64, f64)> = tried.filter_map(|late_s| Some((late_s, left(late_s)?))).collect();
+    let found: Vec<(f64, f64)> = tried.filter_map(|late_s| Some((late_s, residual(late_s)?))).collect();
     let Some((best_s, least)) = found.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Late::default();
     };
-    let is_alike = |(_, left): &&(f64, f64)| *left <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
+    let is_alike = |(_, residual): &&(f64, f64)| *residual <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
     let unsure_s = found.iter().filter(is_alike).map(|(late_s, _)| (late_s - best_s).abs());
     let longest_s = LATE_STEP_S * (f64::from(MAX_LATE) - 0.5);
     let turned = moved.iter().map(|moved| moved.turned_rad().powi(2)).sum::<f64>() / moved.len() as f64;
-    let is_unlike = || left(0.0).is_some_and(|as_told| as_told > UNLIKE * least);
+    let is_unlike = || residual(0.0).is_some_and(|as_stamped| as_stamped > UNLIKE * least);
     Late {
         by_s: best_s,
         unsure_s: unsure_s.fold(0.0, f64::max),
@@ -309,12 +308,12 @@ pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option
     Some(Isometry3::from_parts(Translation3::from(*place), rotation))
 }
 
-/// Half a turn about z of the lidar: Ouster's other frame.
+/// A rotation by 180 degrees about z of the lidar: Ouster's other frame.
 pub(crate) fn half_turn() -> Isometry3<f64> {
     Isometry3::rotation(Vector3::z() * std::f64::consts::PI)
 }
 
-/// A motion as it is in the plane of x and y.
+/// A motion projected to the plane of x and y.
 pub(crate) fn in_plane(motion: &Isometry3<f64>) -> Isometry2<f64> {
     let place = motion.translation.vector;
     let x = motion.rotation * Vector3::x();

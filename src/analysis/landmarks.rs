@@ -1,6 +1,6 @@
-//! Landmarks of a lidar put together by the poses of its platform: under the right mounting what stands is in one place.
+//! Maps of a lidar's landmarks by the poses of its platform: with the right mounting, static objects stay in one place.
 //!
-//! Owns which points are put together. With half a turn too many, landmarks move twice as fast as the platform. Must not judge.
+//! Owns which points are mapped. With a yaw error of 180 degrees, landmarks move twice as fast as the platform. Must not judge.
 
 use nalgebra::{Isometry3, Point3};
 
@@ -11,15 +11,15 @@ use crate::math::crispness::occupied_cells;
 use crate::verdict::NotEvaluated;
 use crate::world::FrameId;
 
-/// How points are put together.
+/// Parameters of a map.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_field_names, reason = "the unit belongs to the name")]
 pub(crate) struct Grid {
     /// Size of a cell, metres.
     pub(crate) cell_m: f64,
-    /// Points further above or beneath the sensor are left out, metres: rings on the ground move with it.
+    /// Points further above or below the sensor are left out, metres: rings on the ground move with it.
     pub(crate) level_m: f64,
-    /// How far the platform must go all in all, metres.
+    /// Minimum distance that the platform moves in total, metres.
     pub(crate) way_m: f64,
 }
 
@@ -27,15 +27,15 @@ pub(crate) struct Grid {
 pub(crate) struct Maps {
     /// The frame that the poses move.
     pub(crate) body: FrameId,
-    /// What reports call the poses, and where they are.
+    /// Name of the poses in reports, and their place.
     pub(crate) poses: (String, crate::source::Place),
-    /// How far the platform went while it was mapped, metres.
+    /// Distance that the platform moved while it was mapped, metres.
     pub(crate) way_m: f64,
     /// Cells with points under each mounting, in order.
     pub(crate) cells: Vec<usize>,
 }
 
-/// Puts the clouds of each run together under `body_from_lidar * turn`, for each of these turns; or why that can't be done.
+/// Maps the clouds of each run with `body_from_lidar * turn`, for each of these turns; or why that is not possible.
 pub(crate) fn maps(
     world: &Estimates,
     clouds: &Clouds,
@@ -44,11 +44,11 @@ pub(crate) fn maps(
 ) -> Result<Maps, (NotEvaluated, String)> {
     let missing = |why: &str| (NotEvaluated::MissingInput, why.to_owned());
     let motion = Motion::of(world);
-    let lidar = clouds.frame().ok_or_else(|| missing("the clouds name no frame"))?;
+    let lidar = clouds.frame().ok_or_else(|| missing("the clouds have no `frame_id`"))?;
     let tied = tied(world, &motion, clouds, &lidar);
     let own = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
     let (poses, body, told) = own.max_by_key(|(poses, ..)| poses.rows().count()).ok_or_else(|| {
-        missing("no poses of a frame that is tied to it, other than from scans, say how the platform moved")
+        missing("no poses to compare with: record those of a frame that TF ties to the lidar, other than from scans")
     })?;
     let (turned, track) = (Turned::of(poses), poses.track());
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
@@ -84,7 +84,7 @@ pub(crate) fn maps(
     }
     if way_m < grid.way_m {
         let why = format!(
-            "beside {} the platform went {way_m:.1} m while clouds followed each other; {} m are needed to tell by landmarks",
+            "by {} the platform moved only {way_m:.1} m during consecutive clouds, {} m are needed to compare landmarks",
             poses.subject, grid.way_m
         );
         return Err((NotEvaluated::TooLittleEvidence, why));

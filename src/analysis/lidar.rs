@@ -1,4 +1,4 @@
-//! The clouds of a world, each with what its fields say of the sensor; and the scans of planes, as clouds. Must not judge.
+//! The clouds of a world, each with the driver that its fields identify, and planar laser scans as clouds. Must not judge.
 
 use crate::analysis::{names, radar};
 use crate::source::Place;
@@ -6,7 +6,7 @@ use crate::tables::CloudDriver;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence, laser::LaserEvidence};
 
-/// Units that times of points come in, seconds.
+/// Units of point times, seconds.
 const UNITS_S: [(f64, &str); 4] = [
     (1.0, "seconds"),
     (1e-3, "milliseconds"),
@@ -14,7 +14,7 @@ const UNITS_S: [(f64, &str); 4] = [
     (1e-9, "nanoseconds"),
 ];
 
-/// No scan takes longer, seconds: of clouds that were thrown away nine hundred times out of a thousand the times would fit another unit.
+/// Longest scan, seconds: if nearly all clouds are dropped, the times would match another unit.
 const LONGEST_S: f64 = 20.0;
 
 /// Fields that only the points of a lidar have.
@@ -55,13 +55,13 @@ const LIDARS: [&str; 16] = [
 #[derive(Clone, Copy)]
 pub(crate) struct Clouds<'w> {
     pub(crate) bag: &'w BagEvidence,
-    /// The number of the recording in the world.
+    /// Index of the recording in the world.
     pub(crate) index: usize,
     pub(crate) topic: &'w TopicEvidence,
     pub(crate) evidence: &'w CloudEvidence,
-    /// The scans of a plane that these are, where they are no clouds: the evidence has their runs alone then.
+    /// The planar scans, if these are no clouds: the evidence then has only their runs.
     pub(crate) laser: Option<&'w LaserEvidence>,
-    /// The driver that its fields tell.
+    /// The driver that its fields identify.
     pub(crate) driver: Option<&'w CloudDriver>,
 }
 
@@ -91,7 +91,7 @@ impl<'w> Clouds<'w> {
         })
     }
 
-    /// The scans of planes of a world.
+    /// The planar laser scans of a world.
     pub(crate) fn lasers(world: &'w World) -> impl Iterator<Item = Self> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {
             bag.topics.values().filter_map(move |topic| {
@@ -108,12 +108,12 @@ impl<'w> Clouds<'w> {
         })
     }
 
-    /// Both: for rules that look at motion in the plane of x and y.
+    /// Both, for rules on motion in the plane of x and y.
     pub(crate) fn scanners(world: &'w World) -> impl Iterator<Item = Self> {
         Self::all(world).chain(Self::lasers(world))
     }
 
-    /// What reports call it.
+    /// Its subject in outcomes.
     pub(crate) fn subject(&self, of: &str) -> String {
         format!("{of} of topic `{}`", self.topic.topic)
     }
@@ -138,7 +138,7 @@ impl<'w> Clouds<'w> {
         Some(&field.datatype)
     }
 
-    /// Whether these are the points of a lidar as it measured them: not a depth camera's, and not a map's.
+    /// Whether these are raw points of a lidar: not of a depth camera, and not of a map.
     pub(crate) fn is_of_a_lidar(&self) -> bool {
         let is_registered = self.frame().is_some_and(|frame| names::is_world(&frame));
         let has_field = OF_A_LIDAR.iter().any(|name| self.datatype(name).is_some());
@@ -149,7 +149,7 @@ impl<'w> Clouds<'w> {
         is_lidar && !is_registered && !has_colour && !radar::is_of_a_radar(self.topic)
     }
 
-    /// From one cloud to the next, seconds.
+    /// Time between clouds, seconds.
     pub(crate) fn period_s(&self) -> Option<f64> {
         let step_ns = self.topic.stamps.median_step_ns?;
         (step_ns > 0).then_some(step_ns as f64 * 1e-9)

@@ -1,20 +1,20 @@
-//! What is seen of something, or why nothing is.
+//! A measurement, or why there is none.
 
 use std::sync::Arc;
 
 use crate::analysis::motion::Track;
 use crate::verdict::NotEvaluated;
 
-/// What is seen, or why nothing is.
+/// A measurement, or why there is none.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
 
-/// What the place of a track is in a finding.
-pub(crate) const TRACK: &str = "where it went";
+/// Label of the place of a track in a finding.
+pub(crate) const TRACK: &str = "track compared with";
 
-/// The tracks, or why nothing can be held against them.
+/// The reason, if there are no tracks to compare with.
 pub(crate) fn needed(tracks: &[Arc<Track>]) -> Look<()> {
     if tracks.is_empty() {
-        let why = "no satellite fixes, odometry or poses show where it went".to_owned();
+        let why = "no GNSS fixes, odometry or poses to compare with".to_owned();
         return Err((NotEvaluated::MissingInput, why));
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Estimates: what is worked out of a world and the settings of a run, once, for every rule that reads it.
+//! Estimates: what is computed from a world and the settings of a run, once, for every rule that reads it.
 //!
 //! Must not know rules, findings, files or reports.
 

@@ -1,4 +1,4 @@
-//! What a frame's name says: vocabulary in tokens, the names of REP-105, and folding.
+//! What a frame's name states: vocabulary in tokens, the names of REP-105, and folding.
 //!
 //! Conventions are looked for in whole tokens, never in substrings: `odom_combined` is not `ned`, and
 //! `optical_ranging_sensor` is no camera frame. Must not know the world.
@@ -10,7 +10,7 @@ use crate::world::FrameId;
 /// Words for lidars.
 pub(crate) const LIDARS: &[&str] = &["lidar", "laser", "velodyne", "ouster"];
 
-/// Makers of lidars that stand in fewer names.
+/// Makers of lidars.
 pub(crate) const LIDAR_MAKERS: &[&str] = &["livox", "hesai", "robosense", "rslidar"];
 
 /// Words for inertial sensors: kinds, makers and their series.
@@ -34,7 +34,7 @@ pub(crate) const IMUS: &[&str] = &[
 /// Words for cameras.
 pub(crate) const CAMERAS: &[&str] = &["camera", "cam"];
 
-/// Words for receivers of satellites.
+/// Words for GNSS receivers.
 pub(crate) const GNSS: &[&str] = &["gps", "gnss"];
 
 /// Words that name a sensor and nothing else.
@@ -58,7 +58,7 @@ const SENSORS: &[&[&str]] = &[
 /// Words of frames that are fixed to the world, or drift slowly against it.
 const WORLDS: &[&str] = &["earth", "world", "map", "odom", "utm", "ecef", "global"];
 
-/// Words of the frame that stands for the whole platform.
+/// Words of a platform's base frame.
 const BASES: &[&str] = &[
     "base",
     "body",
@@ -77,7 +77,7 @@ const BASES: &[&str] = &[
     "vut",
 ];
 
-/// Words of parts that are meant to move, also where no URDF says so.
+/// Words of parts that are meant to move, with or without a URDF.
 const MOVING: &[&str] = &[
     "wheel", "caster", "steering", "arm", "shoulder", "elbow", "wrist", "gripper", "finger", "hand", "joint", "pan",
     "tilt", "ptz", "head", "neck", "hip", "knee", "ankle", "leg", "turret", "gimbal", "servo",
@@ -110,7 +110,7 @@ pub(crate) fn standard(frame: &FrameId) -> Option<(&str, Standard)> {
     Some((namespace, kind))
 }
 
-/// Whether one of the words is a token of the name, digits behind it aside: `lidar_2`, `cam0` and `FrontLidar` have
+/// Whether one of the words is a token of the name, apart from digits after it: `lidar_2`, `cam0` and `FrontLidar` have
 /// the tokens `lidar`, `cam`, `lidar`.
 pub(crate) fn has_word(frame: &FrameId, words: &[&str]) -> bool {
     has_word_of(frame, &[words])
@@ -125,7 +125,7 @@ pub(crate) fn has_word_of(frame: &FrameId, lists: &[&[&str]]) -> bool {
     })
 }
 
-/// Whether the name says "sensor" and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
+/// Whether the name is that of a sensor and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
 pub(crate) fn is_sensor(frame: &FrameId) -> bool {
     let says_more = [WORLDS, BASES, &["init", "pose", "mount", "bracket", "holder", "plate"]];
     has_word_of(frame, SENSORS) && !has_word_of(frame, &says_more)
@@ -136,12 +136,12 @@ pub(crate) fn is_world(frame: &FrameId) -> bool {
     has_word(frame, WORLDS)
 }
 
-/// Whether the name is that of a platform's own frame.
+/// Whether the name is that of a platform's base frame.
 pub(crate) fn is_base(frame: &FrameId) -> bool {
     has_word(frame, BASES)
 }
 
-/// Whether the name says that the frame is a sensor's or some other carried thing's, whatever else it says.
+/// Whether the name contains a word for a sensor or another carried device.
 pub(crate) fn is_device(frame: &FrameId) -> bool {
     let things = ["sensor", "device", "tracker", "scanner", "marker", "tag", "pose"];
     has_word_of(frame, SENSORS) || has_word_of(frame, &[CAMERAS, &things])
@@ -152,7 +152,7 @@ pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
     has_word(frame, MOVING)
 }
 
-/// Whether a topic says by its name what ought to happen, not what does.
+/// Whether a topic is, by its name, a command or plan instead of a measurement.
 pub(crate) fn is_wish(topic: &str) -> bool {
     const WISHES: &[&str] = &[
         "cmd",
@@ -171,7 +171,7 @@ pub(crate) fn is_wish(topic: &str) -> bool {
     words.iter().any(|word| WISHES.contains(&word.as_str()))
 }
 
-/// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end so.
+/// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end with these.
 pub(crate) fn optical_stem(frame: &FrameId) -> Option<Vec<String>> {
     let mut words = frame.tokens();
     if words.last().is_some_and(|word| word == "frame") {
@@ -180,7 +180,7 @@ pub(crate) fn optical_stem(frame: &FrameId) -> Option<Vec<String>> {
     (words.pop()? == "optical").then(|| without_ending(words))
 }
 
-/// The words of a name without the endings `link` and `frame`, as long as a word is left.
+/// The words of a name without the endings `link` and `frame`, but at least one word.
 pub(crate) fn without_ending(mut words: Vec<String>) -> Vec<String> {
     while words.len() > 1 && words.last().is_some_and(|word| word == "link" || word == "frame") {
         words.pop();

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use crate::analysis::names;
 use crate::world::FrameId;
 
-/// Words that stand for each other's opposite: a name that differs by them is another frame.
+/// Groups of words that distinguish frames: a name that differs by words of a group is another frame.
 const OPPOSITES: &[&[&str]] = &[
     &["left", "right", "l", "r", "center", "centre", "middle", "mid"],
     &[
@@ -45,14 +45,14 @@ pub(crate) struct Near<'a> {
     pub(crate) frame: &'a FrameId,
     /// Number of edits between the two, 0 where only separators, endings or namespaces differ.
     pub(crate) edits: usize,
-    /// How they differ, in words.
+    /// How they differ, as a predicate before "from".
     pub(crate) how: &'static str,
 }
 
 /// Limits of [`Names::nearest`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
-    /// Edits that still count as a slip.
+    /// Edits that still count as a typo.
     pub(crate) max_edits: usize,
     /// Shortest name for which edits are counted.
     pub(crate) min_length: usize,
@@ -66,8 +66,8 @@ impl Reach {
     };
 }
 
-/// Letters by which two names are held against each other by edits, over all look-ups: a platform with a hundred thousand misspelt names gets
-/// suggestions for some.
+/// Letters of all names that are compared by edits, over all look-ups: a platform with a hundred thousand misspelt names gets suggestions for
+/// some of them.
 const MOST_COMPARED: usize = 10_000_000;
 
 /// Names that others may be near to, in an index: a look-up does not compare with each.
@@ -75,7 +75,7 @@ const MOST_COMPARED: usize = 10_000_000;
 pub(crate) struct Names<'a> {
     /// By the name without separators.
     squeezed: BTreeMap<String, Vec<Known<'a>>>,
-    /// By the part behind the last slash.
+    /// By the part after the last slash.
     last: BTreeMap<String, Vec<Known<'a>>>,
     /// By the name without separators and endings.
     core: BTreeMap<String, Vec<Known<'a>>>,
@@ -113,7 +113,7 @@ impl<'a> Names<'a> {
         self.alike(&name).or_else(|| self.edited(&name, reach))
     }
 
-    /// Whether so much was compared that names are no longer held against each other by edits.
+    /// Whether so much was compared that names are no longer compared by edits.
     pub(crate) fn is_spent(&self) -> bool {
         self.compared.get() > MOST_COMPARED
     }
@@ -162,7 +162,7 @@ impl<'a> Names<'a> {
             }
         }
         let (edits, frame) = best?;
-        let how = "differs by a slip of the pen";
+        let how = "differs only by a typo";
         Some(Near { frame, edits, how })
     }
 }

@@ -1,4 +1,4 @@
-//! Optical frames: what the turn of one is to be compared with.
+//! Optical frames: what the rotation of one is compared with.
 //!
 //! Must not judge.
 
@@ -8,9 +8,9 @@ use crate::analysis::names;
 use crate::world::FrameId;
 use crate::world::graph::{Edge, FrameGraph};
 
-/// What stands above the optical frame.
+/// The parent of an optical frame, or the camera's own link.
 pub(crate) struct Mount<'a> {
-    /// The frame above.
+    /// The parent.
     pub(crate) parent: &'a FrameId,
     /// Whether the parent is the camera's own link, by name.
     pub(crate) is_sibling: bool,

@@ -30,7 +30,7 @@ impl Axes {
         }
     }
 
-    /// Where the first column of a cloud lies.
+    /// The azimuth of the first column of a cloud.
     pub(crate) fn azimuth_rad(self) -> f64 {
         match self {
             Self::Lidar => 0.0,
@@ -38,7 +38,7 @@ impl Axes {
         }
     }
 
-    /// That which a frame's name says: `os_lidar`, `os1_sensor`, `ouster/os_lidar`. A plain `lidar` may be either.
+    /// The one that a frame's name states: `os_lidar`, `os1_sensor`, `ouster/os_lidar`. A plain `lidar` may be either.
     pub(crate) fn of(frame: &FrameId) -> Option<Self> {
         let tokens = frame.tokens();
         match tokens.last().map(String::as_str)? {
@@ -129,7 +129,7 @@ impl<'w> Part<'w> {
         })
     }
 
-    /// How it should be turned.
+    /// The rotation that it should have.
     pub(crate) fn turn(&self) -> UnitQuaternion<f64> {
         match self.kind {
             OusterPart::Lidar => UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI),
@@ -138,7 +138,7 @@ impl<'w> Part<'w> {
     }
 }
 
-/// The metadata that stand in a source.
+/// The metadata in a source.
 fn metadata_in(world: &World, source: SourceId) -> Option<&OusterMetadata> {
     world.ousters.iter().find(|metadata| metadata.place.source == source)
 }
@@ -164,8 +164,8 @@ pub(crate) fn metadata_of<'w>(world: &'w World, clouds: &Clouds) -> Option<&'w O
     fitting.next().is_none().then_some(first)
 }
 
-/// Whether these are clouds of an Ouster: by the fields of the points, or, whatever fields were kept, where the frame or the topic names it
-/// and there are metadata of a sensor, of an organised cloud with as many rows and columns.
+/// Whether these are clouds of an Ouster: by the fields of the points; or, with any fields, where the frame or the topic names it and
+/// metadata of a sensor with as many rows and columns as the organised cloud are available.
 pub(crate) fn is_of_an_ouster(world: &World, clouds: &Clouds) -> bool {
     if clouds.driver.is_some_and(|driver| driver.name == "Ouster") {
         return true;

@@ -1,8 +1,8 @@
-//! Who else states the transform between the same two frames.
+//! Which other sources state the transform between the same two frames.
 //!
 //! Only constant statements count: fixed joints, static TF and files. Names are compared as tf2 stores them. A rule that
-//! judges one statement asks here for what speaks for it; the statements that CROSS holds against each other have a rank
-//! and words for who states them, and are also chains and TF that only stands still.
+//! judges one statement finds here what confirms it; the statements that CROSS compares have a rank and a name for messages,
+//! and include chains and constant TF.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub(crate) struct Statement {
     pub source: SourceId,
     /// Where.
     pub place: Place,
-    /// `target_from_source` of the pair that was asked for.
+    /// `target_from_source` of the requested pair.
     pub pose: Isometry3<f64>,
     /// Whether a rotation was stated.
     pub has_rotation: bool,
@@ -29,7 +29,7 @@ pub(crate) struct Statement {
 /// All constant statements by their pair of frames.
 #[derive(Debug, Default)]
 pub(crate) struct Pairs {
-    /// By source within a pair: one file may state a pair thousands of times, and never asks itself.
+    /// By source within a pair: one file may state a pair thousands of times, and is never compared with itself.
     by_pair: BTreeMap<(FrameId, FrameId), BTreeMap<SourceId, Vec<Statement>>>,
 }
 
@@ -72,8 +72,8 @@ impl Pairs {
         by_source.entry(statement.source).or_default().push(statement);
     }
 
-    /// What other sources than `asking` state of `target_from_source`, in either direction. A half of a transform
-    /// cannot be turned round, so half statements are given in their own direction only.
+    /// What sources other than `asking` state about `target_from_source`, in either direction. A rotation or a translation alone
+    /// cannot be inverted, so it counts in its own direction only.
     pub(crate) fn others(&self, target: &FrameId, source: &FrameId, asking: SourceId) -> Vec<Statement> {
         let (target, source) = (target.canonical(), source.canonical());
         let stated = |pair: (FrameId, FrameId)| {

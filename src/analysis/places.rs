@@ -1,4 +1,4 @@
-//! Where frames, transforms and their numbers stand.
+//! The places of frames, transforms and their numbers.
 
 use crate::source::{Confidence, Place, Span};
 use crate::world::graph::{Edge, EdgeOrigin};
@@ -24,13 +24,13 @@ pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
 }
 
-/// How sure it is that a launch file publishes an edge; other edges are there for certain.
+/// How sure it is that a launch file publishes an edge; other edges are certain.
 pub(crate) fn published_reading(world: &World, edge: &Edge) -> Confidence {
     let published = edge.claim(world).filter(|_| edge.is_published());
     published.map_or(Confidence::Certain, |claim| claim.reading)
 }
 
-/// Where the numbers of an edge stand: a joint's `<origin>`, where it has one; else as [`of_edge`].
+/// The place of an edge's numbers: a joint's `<origin>`, where it has one; else as [`of_edge`].
 pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
     let stated = edge.claim(world).map(|claim| claim.place.clone());
     stated.or_else(|| of_edge(world, edge))

@@ -1,11 +1,11 @@
-//! The axes that a frame's name promises, and the rotations that keep the promise.
+//! The axes that a frame's name states, and the rotations that match them.
 //!
 //! Must not know the world.
 
 use crate::math::constants::AxisTurn;
 use crate::world::FrameId;
 
-/// The axes that a name promises.
+/// The axes that a name states.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Axes {
     /// North, east, down.
@@ -17,7 +17,7 @@ pub(crate) enum Axes {
 }
 
 impl Axes {
-    /// What the tokens of a name promise.
+    /// The axes that the tokens of a name state.
     pub(crate) fn of(frame: &FrameId) -> Option<Self> {
         [Self::Ned, Self::Enu, Self::Nwu]
             .into_iter()
@@ -34,7 +34,7 @@ impl Axes {
     }
 
     /// The rotations that `sibling_from_frame` may have, where the sibling has the axes of REP-103. A platform's `_ned`
-    /// frame is either its forward-right-down frame or the turned world axes, by who defined it.
+    /// frame is either its forward-right-down frame or rotated like the world axes, depending on who defined it.
     pub(crate) fn expected(self, is_world: bool) -> &'static [Option<AxisTurn>] {
         match (self, is_world) {
             (Self::Ned, true) => &[Some(AxisTurn::NedEnu)],
@@ -47,7 +47,7 @@ impl Axes {
     }
 }
 
-/// What the word in a name promises of a body's axes.
+/// The body axes that a word in a name states.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum BodyAxes {
     /// Forward, right, down.
@@ -59,7 +59,7 @@ pub(crate) enum BodyAxes {
 }
 
 impl BodyAxes {
-    /// What the tokens of a name promise; `None` where they say nothing.
+    /// The axes that the tokens of a name state; `None` without such a token.
     pub(crate) fn of(frame: &FrameId) -> Option<Self> {
         [Self::Frd, Self::Flu]
             .into_iter()
@@ -75,12 +75,12 @@ impl BodyAxes {
         }
     }
 
-    /// The turn between a frame of these axes and one of the other's.
+    /// The rotation between a frame of these axes and one of the other's.
     pub(crate) fn turn(self, other: Self) -> Option<AxisTurn> {
         ((self == Self::Frd) != (other == Self::Frd)).then_some(AxisTurn::FluFrd)
     }
 
-    /// The axes of a name, and what is left of it without the word.
+    /// The axes of a name, and its other tokens.
     pub(crate) fn split(frame: &FrameId) -> (Self, Vec<String>) {
         let axes = Self::of(frame).unwrap_or(Self::Plain);
         let stem = frame.tokens().into_iter().filter(|token| token != axes.word());

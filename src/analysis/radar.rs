@@ -1,4 +1,4 @@
-//! The radars of a world: their scans, and how they moved by them and by what else says it. Must not judge.
+//! The radars of a world: their scans, with their motion by range rates and by other streams. Must not judge.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 
@@ -11,11 +11,11 @@ use crate::world::bag::{Said, TopicEvidence};
 use crate::world::radar::{RadarEvidence, RadarForm, RadarSweep, SpeedForm};
 use crate::world::{BagEvidence, FrameId, World, motion::PoseRow};
 
-/// A velocity is taken from poses so long before and after, seconds.
+/// Half the interval that a velocity is taken over, seconds.
 const HALF_S: f64 = 0.25;
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
-/// From one course to the next that is used with it, seconds.
+/// Longest interval between two courses, seconds.
 const COURSES_S: f64 = 0.6;
 
 /// Words in topics and frames of radars.
@@ -35,7 +35,7 @@ const OF_A_RADAR: [&str; 11] = [
     "vx_comp",
 ];
 
-/// Whether a topic's clouds are a radar's: their points have a speed, and its name or their fields say so.
+/// Whether a topic's clouds are a radar's: their points have a speed, and its name or their fields show it.
 pub(crate) fn is_of_a_radar(topic: &TopicEvidence) -> bool {
     let is_cloud = |radar: &RadarEvidence| radar.form == RadarForm::Cloud;
     topic.content.radar.as_deref().is_some_and(is_cloud) && (has_word(topic) || has_field(topic))
@@ -57,7 +57,7 @@ fn has_field(topic: &TopicEvidence) -> bool {
 /// The detections of one topic, or of a member of its messages.
 #[derive(Clone)]
 pub(crate) struct Radar<'w> {
-    /// The number of the recording in the world.
+    /// Index of the recording in the world.
     pub(crate) index: usize,
     pub(crate) bag: &'w BagEvidence,
     pub(crate) said: Said<'w>,
@@ -65,7 +65,7 @@ pub(crate) struct Radar<'w> {
 }
 
 impl<'w> Radar<'w> {
-    /// Those of a world: points with a `velocity` or its components count where something else says that they are a radar's.
+    /// Those of a world: points with a `velocity` or its components count if something else shows that they are a radar's.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {
             bag.topics
@@ -84,7 +84,7 @@ impl<'w> Radar<'w> {
         })
     }
 
-    /// Where it begins.
+    /// Its first message.
     pub(crate) fn place(&self) -> Place {
         Place::of(self.bag.source, Some(&self.evidence.first))
     }
@@ -95,18 +95,18 @@ impl<'w> Radar<'w> {
         frames.into_iter().find(|frame| !frame.as_str().is_empty())
     }
 
-    /// Whether only names say that these are detections with such speeds.
+    /// Whether only names show that these are detections with range rates.
     pub(crate) fn is_guessed(&self) -> bool {
         self.said.guessed || self.evidence.speeds == SpeedForm::Components
     }
 }
 
-/// What says how the platform moves, and where the radar sits on it.
+/// A source of the platform's motion, with the radar's mounting.
 pub(crate) struct Way {
-    /// What reports call it, and where it is.
+    /// Its name in reports, and its place.
     pub(crate) subject: String,
     pub(crate) place: Place,
-    /// The frame that moves, and the radar in it, as the transforms say.
+    /// The frame that moves, and the radar in it, by the transforms.
     pub(crate) body: FrameId,
     pub(crate) radar: FrameId,
     pub(crate) body_from_radar: Isometry3<f64>,
@@ -116,12 +116,12 @@ pub(crate) struct Way {
 
 enum By {
     Poses(Turned, std::sync::Arc<Track>),
-    /// Satellite fixes, which do not know forward from backward.
+    /// GNSS fixes, which cannot distinguish forward from backward.
     Courses(Vec<Vec<Course>>),
 }
 
 impl Way {
-    /// Every one that the radar is tied to: poses of a body first, then satellite fixes with a base.
+    /// Every one that the radar is tied to: poses of a body first, then GNSS fixes with a base.
     pub(crate) fn all(world: &Estimates, radar: &Radar) -> Vec<Self> {
         let motion = Motion::of(world);
         let (Some(frame), Some(bag)) = (radar.frame(), motion.bags.get(radar.index)) else {
@@ -155,7 +155,7 @@ impl Way {
         poses.chain(fixes).collect()
     }
 
-    /// Whether it tells driving forward from driving backward.
+    /// Whether it distinguishes forward from backward motion.
     pub(crate) fn knows_forward(&self) -> bool {
         matches!(self.by, By::Poses(..))
     }
@@ -184,7 +184,7 @@ impl Way {
     }
 }
 
-/// What a scan must have.
+/// Requirements for a scan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
     pub(crate) min_speed_m_s: f64,
@@ -193,22 +193,22 @@ pub(crate) struct Wanted {
     pub(crate) tolerance_share: f64,
 }
 
-/// One scan whose motion is known twice, in the axes of the body as the transforms have them.
+/// One scan with its motion by range rates and by another stream, in the axes of the body by the transforms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scan<'w> {
-    /// The run of neighbouring scans.
+    /// Index of the run of neighbouring scans.
     pub(crate) run: usize,
     t_s: f64,
     sweep: &'w RadarSweep,
-    /// Of the body, m/s and rad/s.
+    /// Velocity and angular velocity of the body, m/s and rad/s.
     pub(crate) body: [Vector3<f64>; 2],
-    /// Of the radar: the body's with what turning adds where the radar sits, m/s.
+    /// Velocity of the radar: that of the body plus angular velocity times lever arm, m/s.
     pub(crate) expected: Vector2<f64>,
-    /// Of the radar by what most of its detections agree on, m/s.
+    /// Velocity of the radar that most of its detections agree on, m/s.
     pub(crate) fitted: Vector2<f64>,
     /// Share of the detections that agree with it.
     pub(crate) share: f64,
-    /// Of those that the body's motion should show in, the share whose rates are as expected, or as expected with the other sign.
+    /// Among detections that the body's motion affects, the share with the expected rates, of either sign.
     pub(crate) as_expected: f64,
     tolerance: f64,
 }
@@ -230,7 +230,7 @@ fn sights(sweep: &RadarSweep, way: &Way) -> Vec<Sight> {
     sweep.echoes.iter().filter_map(sight).collect()
 }
 
-/// The scans of a radar that have enough detections while the platform is fast enough, and how many have them at any speed.
+/// The scans of a radar with enough detections while the platform is fast enough, and how many have enough at any speed.
 pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<Scan<'w>>, usize) {
     let start_ns = radar.bag.start_ns.unwrap_or_default();
     let (mut all, mut enough) = (Vec::new(), 0);
@@ -244,7 +244,7 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
             let Some([velocity, rate]) = way.at(t_s) else { continue };
             let at_radar = velocity + rate.cross(&way.body_from_radar.translation.vector);
             let speed = velocity.xy().norm();
-            // Also false where it is no number.
+            // Also false for NaN.
             let is_fast = speed >= wanted.min_speed_m_s && at_radar.xy().norm() > 0.5 * wanted.min_speed_m_s;
             if !is_fast {
                 continue;
@@ -273,8 +273,8 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
     (all, enough)
 }
 
-/// How many detections are found again in a later scan if their rates are as published, and if they have the other sign: only those that
-/// agree with the velocity of their scan, and that went at least so far.
+/// Number of detections found again in a later scan with their rates as published, and with the opposite sign: only those that agree
+/// with the velocity of their scan, and that moved at least this far.
 pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -> [usize; 2] {
     let mut counts = [0; 2];
     let radar_from_body = way.body_from_radar.rotation.inverse();
@@ -308,7 +308,7 @@ pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -
         let way_m = radar_from_body * Vector3::new(scan.fitted.x, scan.fitted.y, 0.0) * seconds;
         let turn = UnitQuaternion::from_scaled_axis(radar_from_body * scan.body[1] * -seconds);
         for (count, sign) in counts.iter_mut().zip([1.0, -1.0]) {
-            // Where it was is expressed in the axes of then; what stands still goes the other way, and turns back.
+            // Positions are in the axes of their own scan; static objects move and rotate opposite to the radar.
             let motion = Isometry3::from_parts((turn * (-sign * way_m)).into(), turn);
             *count += found(&from, &to, &motion, near);
         }

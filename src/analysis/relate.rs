@@ -1,4 +1,4 @@
-//! The difference of two transforms, in numbers, words and the convention error that explains it.
+//! The difference of two transforms: numbers, words, and the convention error that explains it.
 //!
 //! Must not know where the transforms come from.
 
@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 use crate::math::relation::{Tolerance, classify_either_way};
 use crate::verdict::Measured;
 
-/// Up to where two transforms hold the same numbers.
+/// Limits within which two transforms are equal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Same {
     /// Rotation, degrees.
@@ -28,7 +28,7 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Compares two `parent_from_child` of one pair of frames, neither of which is known to be right.
+    /// Compares two `parent_from_child` of one pair of frames; either may be wrong.
     pub(crate) fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, same: Same) -> Self {
         let difference = classify_either_way(a, b, &Tolerance::default()).classification;
         let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
@@ -40,16 +40,16 @@ impl Difference {
             if relation.is_some() { rotation } else { rotation.turn() },
             Measured::new("difference in translation", m, "m").limit(same.m),
         ];
-        // What these numbers can't tell from it is said, as CROSS02 does.
+        // Relations that these numbers can't distinguish are named too, as in CROSS02.
         let also: Vec<&str> = difference.class.iter().skip(1).map(|other| other.word()).collect();
         let words = match relation {
             _ if is_same => ", with the same numbers".to_owned(),
             Some(relation) if also.is_empty() => {
-                format!(", {deg:.2} deg and {m:.3} m apart: {}", relation.describe())
+                format!(", {deg:.2} deg and {m:.3} m apart ({})", relation.word())
             }
             Some(relation) => format!(
-                ", {deg:.2} deg and {m:.3} m apart: {} (Indistinguishable here: {}.)",
-                relation.describe(),
+                ", {deg:.2} deg and {m:.3} m apart ({}; indistinguishable here: {})",
+                relation.word(),
                 also.join(", ")
             ),
             None => format!(", {deg:.2} deg and {m:.3} m apart"),

@@ -1,7 +1,7 @@
-//! How lidars moved by their own clouds: neighbouring scans matched to each other, once for all rules.
+//! Motion of lidars by their own clouds: neighbouring scans matched to each other, once for all rules.
 //!
-//! Owns which points are compared and the chains of steps. Motions are in the plane of the ground, and only sought where z of the cloud is
-//! about upright. Must not judge.
+//! Owns which points are compared and the chains of steps. Motions are in the plane of the ground, and only for clouds with z about
+//! vertical. Must not judge.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -18,37 +18,37 @@ use crate::world::{World, cloud::CloudSlice};
 pub(crate) mod moved;
 mod run;
 
-/// Points lower than this over the ground are left out, metres: the rings of beams on it move with the sensor.
+/// Points lower than this above the ground are left out, metres: the rings of beams on it move with the sensor.
 const CLEAR_M: f64 = 0.3;
 /// Cosine of the tilt up to which a planar scanner is level: 5 degrees.
 const LEVEL: f64 = 0.996;
-/// Why it is not known which way z of a cloud points.
-const NO_GROUND: &str = "no ground shows that the plane of its x and y is level";
+/// Why the direction of z of a cloud is unknown.
+const NO_GROUND: &str = "no visible ground shows that its plane of x and y is level";
 
-/// How long a cloud takes at most, and at least, of the time to the next one.
+/// Longest and shortest duration of a cloud, as a share of the time to the next one.
 const LONGEST: f64 = 1.1;
 const SHORTEST: f64 = 0.02;
 
 /// The steps of one topic's clouds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
-    /// Whether the ground lies beneath z of the cloud; `None` where none shows, or z is not upright. A planar scanner sees no ground:
-    /// its transforms tell it.
+    /// Whether z of the cloud points up, away from the ground; `None` if no ground is visible, or z is not vertical. For a planar
+    /// scanner, by its transforms.
     pub(crate) is_up: Option<bool>,
-    /// Why that is not known.
+    /// Why that is unknown.
     pub(crate) why: &'static str,
-    /// Turns the cloud's axes so that its z stands upright on the ground, up or down as it does already.
+    /// Rotates the cloud's axes so that its z is normal to the ground, up or down as before.
     level_from_cloud: UnitQuaternion<f64>,
     runs: Vec<Vec<Seen>>,
 }
 
 impl Steps {
-    /// How many steps were matched.
+    /// Number of matched steps.
     pub(crate) fn count(&self) -> usize {
         self.runs.iter().map(|run| run.len() - 1).sum()
     }
 
-    /// `from_cloud_from_to_cloud`: where the later sensor is in the axes of the earlier one.
+    /// `from_cloud_from_to_cloud`: pose of the later sensor in the axes of the earlier one.
     pub(crate) fn in_cloud(&self, moved: &Moved) -> Isometry3<f64> {
         let place = moved.motion.translation.vector;
         let flat = Isometry3::from_parts(
@@ -58,12 +58,12 @@ impl Steps {
         self.level_from_cloud.inverse() * flat * self.level_from_cloud
     }
 
-    /// Steps that follow each other put together until they are enough, one after the other.
+    /// Consecutive steps, chained until they are enough.
     pub(crate) fn chained(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
         self.put_together(is_enough, false)
     }
 
-    /// The same, with what is left at the end of each run.
+    /// The same, with the rest at the end of each run.
     pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
         self.put_together(is_enough, true)
     }
@@ -96,7 +96,7 @@ pub(crate) struct ScanMotion {
 }
 
 impl ScanMotion {
-    /// Those of a world; worked out once, for recordings in which something else moves as well.
+    /// Those of a world; made once, for recordings with another stream of motion.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         world.once(|world| {
@@ -139,18 +139,18 @@ fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
     }
 }
 
-/// How the points of a topic's clouds are laid flat.
+/// Projection of a topic's clouds to the level plane.
 #[derive(Default)]
 struct Flattening {
     /// See [`Steps::is_up`].
     is_up: Option<bool>,
     level_from_cloud: UnitQuaternion<f64>,
-    /// The ground, the points of which are left out, and where the sensor is in the cloud, metres.
+    /// The ground, whose points are left out, and the sensor's position in the cloud, metres.
     ground: Option<(Upright, Vector3<f64>)>,
 }
 
 impl Flattening {
-    /// Or why the plane of x and y is not that of the ground.
+    /// `Err`: why the plane of x and y is not that of the ground.
     fn of(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Result<Self, &'static str> {
         if clouds.laser.is_some() {
             return level(world, clouds).map(|is_up| Self {
@@ -164,7 +164,7 @@ impl Flattening {
         let is_up = match side.map(|(_, word)| *word) {
             Some("z") => Some(true),
             Some("-z") => Some(false),
-            // The plane that was cut stands upright.
+            // The plane of x and y is vertical.
             Some(_) => return Err(NO_GROUND),
             None => None,
         };
@@ -179,7 +179,7 @@ impl Flattening {
         })
     }
 
-    /// A point in the level plane, metres; none where it is of the ground.
+    /// A point in the level plane, metres; `None` for points of the ground.
     fn flat(&self, point: &Vector3<f64>) -> Option<Vector2<f64>> {
         let is_clear = self
             .ground
@@ -189,16 +189,16 @@ impl Flattening {
     }
 }
 
-/// The clouds of a topic over the ground, with z up.
+/// The clouds of a topic above the ground, with z up.
 pub(crate) struct Standing {
-    /// Turns the cloud's axes so that its z points up, away from the ground.
+    /// Rotates the cloud's axes so that its z points up, away from the ground.
     pub(crate) up_from_cloud: UnitQuaternion<f64>,
-    /// Of each run the moments and the points of its clouds, as measured, without those of the ground, metres.
+    /// Times and points of the clouds of each run, as measured, without the ground, metres.
     pub(crate) runs: Vec<Vec<(Moment, Vec<Vector2<f64>>)>>,
 }
 
 impl Standing {
-    /// `None` where nothing shows which way is up.
+    /// `None` if nothing shows which way is up.
     pub(crate) fn of(world: &Estimates, clouds: &Clouds) -> Option<Self> {
         let level = Flattening::of(world, clouds, &Planes::of(world)).ok()?;
         let is_up = level.is_up?;
@@ -221,7 +221,7 @@ impl Standing {
     }
 }
 
-/// How a lidar stands on the ground.
+/// Attitude of a lidar above the ground.
 struct Upright {
     /// The normal of the ground, in the axes of the cloud.
     up: Vector3<f64>,
@@ -231,7 +231,7 @@ struct Upright {
 }
 
 impl Upright {
-    /// By the grounds of its clouds, which lie beneath z or above it.
+    /// By the grounds of its clouds, which are below or above it along z.
     fn of(grounds: &[Ground], is_up: bool) -> Option<Self> {
         let sign = if is_up { 1.0 } else { -1.0 };
         let of_that_side = || {
@@ -252,11 +252,10 @@ impl Upright {
     }
 }
 
-/// Whether z of a planar scanner points up, as the transforms say.
+/// Whether z of a planar scanner points up, by the transforms.
 fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
-    let frame = clouds.frame().ok_or("the scans name no frame")?;
-    let mount =
-        mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
+    let frame = clouds.frame().ok_or("the scans have no `frame_id`")?;
+    let mount = mount(world, &frame).ok_or("the scanner is not tied to a base, so its plane is unknown")?;
     let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
     if up.abs() < LEVEL {
         return Err("by its transform the plane of the scanner is not level");
@@ -264,7 +263,7 @@ fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     Ok(up > 0.0)
 }
 
-/// The clouds of each run, as far as they were matched; of each the points that count, laid flat.
+/// The matched clouds of each run; `flat` projects the points that are used.
 fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<Seen>> {
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
     let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
@@ -285,8 +284,7 @@ fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -
     runs
 }
 
-/// How long one unit of the times of points is, seconds: a cloud takes no longer than it is to the next one. `None` where they do not
-/// tell.
+/// Length of the unit of point times, seconds: a cloud takes no longer than the time to the next one. `None` if no unit fits.
 fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Moment) -> Option<f64> {
     let neighbours = runs.iter().flat_map(|run| run.windows(2));
     let apart_s: Vec<f64> = neighbours
@@ -337,9 +335,9 @@ mod tests {
         }
     }
 
-    /// A body that turns by 0.2 rad and goes a metre, seen by a lidar that is pitched by 12 degrees, upright and upside down.
+    /// A body that rotates by 0.2 rad and moves a metre, with a lidar that is pitched by 12 degrees, upright and upside down.
     #[test]
-    fn a_motion_on_the_ground_is_told_in_the_axes_of_a_tilted_cloud() {
+    fn a_motion_on_the_ground_is_expressed_in_the_axes_of_a_tilted_cloud() {
         let body = Isometry3::new(Vector3::new(1.0, 0.1, 0.0), Vector3::z() * 0.2);
         for (roll, is_up) in [(0.0, true), (std::f64::consts::PI, false)] {
             let body_from_lidar = UnitQuaternion::from_euler_angles(roll, 0.2, 0.0);

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 type Kept = Arc<dyn Any + Send + Sync>;
 type Load = Box<dyn Fn() -> Option<Kept> + Send + Sync>;
 
-/// The limits in force. Each set is loaded when it is first asked for, since a run needs those of few rules.
+/// The limits in force. Each set is loaded on first use, since a run needs those of few rules.
 #[derive(Default)]
 pub struct Settings(HashMap<TypeId, (Load, OnceLock<Option<Kept>>)>);
 
@@ -21,14 +21,14 @@ impl Settings {
     /// The limits of a type.
     ///
     /// # Panics
-    /// Where no page gives them: a fault of ours, which a test rules out. The engine reports it as a crash of the rule that asks.
+    /// If no page has them: a bug, which a test rules out. The engine reports it as a crash of the rule.
     #[allow(clippy::panic)]
     pub fn limits<L: Any + Send + Sync>(&self) -> Arc<L> {
         let known = self.0.get(&TypeId::of::<L>());
         let known = known.and_then(|(load, kept)| kept.get_or_init(load).clone());
         match known.and_then(|known| known.downcast().ok()) {
             Some(limits) => limits,
-            None => panic!("no page gives the limits `{}`", std::any::type_name::<L>()),
+            None => panic!("no page has the limits `{}`", std::any::type_name::<L>()),
         }
     }
 }

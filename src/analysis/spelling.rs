@@ -1,4 +1,4 @@
-//! Stray characters in names: what is wrong with a spelling, and the spelling without them.
+//! Stray characters in names: the fault of a spelling, and the spelling without them.
 //!
 //! Must not know the world.
 
@@ -6,13 +6,13 @@ use unicode_normalization::{UnicodeNormalization, is_nfc};
 
 use crate::visible::is_unseen;
 
-/// Whether a character has no width or controls something, so that two names can look alike and differ.
+/// Whether a character has no width or is a control character, so that two names can look the same and differ.
 pub(crate) fn is_invisible(c: char) -> bool {
     (c.is_control() || is_unseen(c)) && !c.is_whitespace()
 }
 
-/// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,
-/// decomposed letters. Blanks inside are kept.
+/// The name without what must not be in one: invisible characters, whitespace at its ends, slashes at its ends and doubled,
+/// decomposed letters. Whitespace inside is kept.
 pub(crate) fn clean(name: &str) -> String {
     if name
         .bytes()
@@ -20,7 +20,7 @@ pub(crate) fn clean(name: &str) -> String {
     {
         return name.to_owned();
     }
-    // ASCII is its own composition: nearly every name is spared the tables.
+    // ASCII is its own composition: nearly every name needs no tables.
     let visible: String = if name.is_ascii() {
         name.chars().filter(|c| !is_invisible(*c)).collect()
     } else {
@@ -35,7 +35,7 @@ pub(crate) fn clean(name: &str) -> String {
         .join("/")
 }
 
-/// The name without case and stray characters: what is left of a name that misses another only by those.
+/// The name without case and stray characters, to find names that differ only by those.
 pub(crate) fn loose(name: &str) -> String {
     clean(name).to_lowercase()
 }
@@ -45,9 +45,9 @@ pub(crate) fn loose(name: &str) -> String {
 pub(crate) enum Fault {
     /// A character without width, or a control character.
     Invisible,
-    /// White space at an end.
+    /// Whitespace at an end.
     BlankAtEnd,
-    /// White space inside.
+    /// Whitespace inside.
     BlankInside,
     /// A slash at the end, or two in a row.
     Slashes,
@@ -78,24 +78,26 @@ impl Fault {
         }
     }
 
-    /// What is wrong, in words.
+    /// The fault, as a predicate.
     pub(crate) fn words(self) -> &'static str {
         match self {
-            Self::Invisible => "holds a character that cannot be seen",
-            Self::BlankAtEnd => "begins or ends with a blank",
-            Self::BlankInside => "holds a blank",
-            Self::Slashes => "holds a slash at its end or two in a row",
-            Self::LeadingSlash => "begins with a slash",
-            Self::Decomposed => "holds letters put together from several characters (not in Unicode's NFC)",
+            Self::Invisible => "contains an invisible character",
+            Self::BlankAtEnd => "starts or ends with whitespace",
+            Self::BlankInside => "contains whitespace",
+            Self::Slashes => "ends with a slash or contains a double slash",
+            Self::LeadingSlash => "starts with a slash",
+            Self::Decomposed => "contains letters that are not composed (Unicode NFC)",
         }
     }
 
-    /// What it does.
+    /// Its consequence, as a sentence.
     pub(crate) fn why(self) -> &'static str {
         match self {
-            Self::LeadingSlash => "tf2 strips the slash when it stores a transform and refuses it in a look-up",
-            Self::Slashes => "tf2 strips one leading slash and compares the rest as it stands",
-            _ => "tf2 compares names byte by byte, so it is another frame than the one that looks the same",
+            Self::LeadingSlash => {
+                "tf2 removes the slash when it stores a transform, but rejects the name in a look-up."
+            }
+            Self::Slashes => "tf2 removes one leading slash and compares the rest byte by byte.",
+            _ => "tf2 compares names byte by byte: this is a different frame from the one with the clean name.",
         }
     }
 }

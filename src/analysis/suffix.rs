@@ -1,4 +1,4 @@
-//! Frames whose name promises axes by one word: the frame of the same name without it, and the turn between the two.
+//! Frames with a word for axes in their name: the frame of the same name without it, and the rotation between the two.
 //!
 //! Must not judge.
 
@@ -35,14 +35,14 @@ pub(crate) fn relation_to(world: &World, sibling: &FrameId, frame: &FrameId) -> 
     chain.map(|(sibling_from_frame, _)| sibling_from_frame)
 }
 
-/// The angle between a rotation and the turn that was expected (`None`: no turn at all), degrees.
+/// The angle between a rotation and the expected one (`None`: no rotation), degrees.
 pub(crate) fn off_deg(expected: Option<AxisTurn>, seen: &UnitQuaternion<f64>) -> f64 {
     let expected = expected.map_or_else(UnitQuaternion::identity, AxisTurn::quaternion);
     rotation_angle_between(&expected, seen).to_degrees()
 }
 
-/// The constant turn that a rotation is, within `max_deg`, if it is one. Looking for mistakes in the numbers does not
-/// help here: from the identity, most of them give the same.
+/// The constant rotation between conventions that a rotation is, within `max_deg`, if it is one. Looking for mistakes in the
+/// numbers does not help here: applied to the identity, most of them give the same.
 pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Relation> {
     if off_deg(None, seen) <= max_deg {
         return Some(Relation::Equal);
@@ -51,6 +51,16 @@ pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Rel
         .iter()
         .find(|turn| off_deg(Some(**turn), seen) <= max_deg)?;
     Relation::from_word(turn.word())
+}
+
+/// What the rotation is instead of the expected one, as a sentence.
+pub(crate) fn found(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Equal => "There is no rotation between the two.",
+        Relation::FluFrd => "The rotation between the two is 180 deg about x (FLU/FRD).",
+        Relation::NedEnu => "The rotation between the two exchanges x and y and negates z (NED/ENU).",
+        other => other.describe(),
+    }
 }
 
 /// Where the frame is stated in the tree, else where it is named first.

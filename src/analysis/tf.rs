@@ -1,4 +1,4 @@
-//! What a message's header frame is worth, and what a recording's TF holds: shared by the rules of the tree.
+//! The use of a message's header frame, and the contents of a recording's TF: shared by the rules of the tree.
 //!
 //! Must not judge.
 
@@ -16,7 +16,7 @@ pub(crate) enum HeaderUse {
     Ignored,
     /// It may be looked up.
     Possible,
-    /// Data of a place: consumers look it up.
+    /// Spatial data: consumers look it up.
     Spatial,
     /// Data of a sensor mounted on the platform.
     Sensor,
@@ -63,7 +63,7 @@ const SPATIAL_TYPES: &[&str] = &[
     "Detection2DArray",
     "Detection3DArray",
     "Detection3D",
-    // Foxglove's. A fix is of use without a frame, and is often sent without.
+    // Foxglove's. A fix is useful without a frame, and often has none.
     "LocationFix",
     "LocationFixes",
     "PoseInFrame",
@@ -158,8 +158,8 @@ pub(crate) fn by_child(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<&TfEdge>> {
     children
 }
 
-/// Where sensors of a recording say they are: canonical frame, topic, first message. Empty names and world-like names
-/// are left out, and so are topics that cannot be read.
+/// The frames of a recording's sensors: canonical frame, topic, first message. Without empty names, world-like names and topics
+/// that cannot be read.
 pub(crate) fn sensor_frames(bag: &BagEvidence) -> impl Iterator<Item = (FrameId, &TopicEvidence, &MessageRef)> {
     bag.topics
         .values()
@@ -173,8 +173,8 @@ pub(crate) fn sensor_frames(bag: &BagEvidence) -> impl Iterator<Item = (FrameId,
         .filter(|(frame, _, _)| !frame.as_str().is_empty() && !names::is_world(frame))
 }
 
-/// Sensor frames of a recording that has TF but no latched transforms, and whose TF knows none of them: the sign of a
-/// recording without `/tf_static`. Empty where that is not what happened.
+/// Sensor frames of a recording that has TF but no latched transforms, and whose TF contains none of them: the sign of a
+/// recording without `/tf_static`. Empty otherwise.
 pub(crate) fn without_static(bag: &BagEvidence) -> BTreeMap<FrameId, &MessageRef> {
     if bag.tf.is_empty() || bag.tf.iter().any(|edge| edge.is_static) {
         return BTreeMap::new();
@@ -208,7 +208,7 @@ pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>
     let mut uses: BTreeMap<FrameId, Vec<Used>> = BTreeMap::new();
     for topic in bag.topics.values() {
         let kind = header_use(&topic.message_type);
-        // Only sensors owe a frame: an empty one is normal elsewhere.
+        // Only sensors need a frame: an empty one is normal elsewhere.
         let wanted = |frame: &FrameId| {
             kind != HeaderUse::Ignored && (kind == HeaderUse::Sensor || !frame.canonical().as_str().is_empty())
         };
@@ -225,8 +225,8 @@ pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>
     uses
 }
 
-/// Fixed joints of robots that a recording shows, whose child is in none of its transforms, or without a parent though TF has the joint's;
-/// with the child's name. A robot that is described twice is listed twice.
+/// Fixed joints of robots with a link in a recording's TF, whose child is in none of its transforms, or has no parent there although TF has
+/// the joint's parent; with the child's name. A robot that is described twice is listed twice.
 pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec<(FrameId, &'a Joint)> {
     let (known, mounted) = (frames(bag), by_child(bag));
     let canonical = |name: &str| FrameId::new(name).canonical();
@@ -269,7 +269,7 @@ pub(crate) fn is_standard(frame: &FrameId, kind: Standard) -> bool {
     names::standard(frame).is_some_and(|(_, of)| of == kind)
 }
 
-/// The `map` frames that messages name, while TF moves `odom` and has nothing that ties a `map` to it; with their uses.
+/// The `map` frames that messages name, while TF moves something in `odom` and does not connect a `map` to it; with their uses.
 pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<Used<'a>>> {
     let space = |frame: &FrameId| names::standard(frame).map_or("", |(space, _)| space).to_owned();
     let known = frames(bag);
@@ -302,7 +302,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn message_types_of_both_generations_are_told_apart() {
+    fn message_types_of_both_generations_are_distinguished() {
         assert_eq!(header_use("sensor_msgs/msg/Imu"), HeaderUse::Sensor);
         assert_eq!(header_use("sensor_msgs/PointCloud2"), HeaderUse::Sensor);
         assert_eq!(header_use("nav_msgs/msg/Odometry"), HeaderUse::Spatial);

@@ -1,4 +1,4 @@
-//! The arguments, as clap reads them. Help texts live here.
+//! The command-line arguments (clap) and their help texts.
 
 mod values;
 
@@ -21,14 +21,16 @@ use values::{Targets, by_ending, is, output, outputs, rules, selectors, size, ve
 
 const EXIT_CODES: &str = "\
 Exit codes:
-   0  clean: something was checked, and no finding counts
+   0  clean: something was checked, and no finding is at or above --fail-on
    1  a finding at or above --fail-on; hints never count
-   2  the call or the configuration is wrong
-   3  incomplete: an input could not be read in full, a requirement is not met, or nothing was checked at all
-  70  a fault of frames-lint";
+   2  wrong command line or configuration
+   3  incomplete: an input was not read in full, a requirement is not met, or nothing was checked
+  70  internal error: a bug in frames-lint";
 
-/// A linter and acceptance gate for the coordinate frames of robots: reads URDF, xacro, calibration files and recordings
-/// together, and says what is wrong with the frames, where, and by how much.
+/// Linter and acceptance gate for the coordinate frames of robots
+///
+/// Reads URDF, xacro, calibration files and recordings together, and reports what is wrong with the coordinate frames,
+/// where, by how much, and how to fix it.
 #[derive(Debug, Parser)]
 #[command(name = "frames-lint", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub(super) struct Cli {
@@ -38,58 +40,70 @@ pub(super) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Verb {
-    /// Check files and folders
+    /// Check files and folders, and report findings
     Check(Check),
-    /// Compare two platforms, or two recordings of one: which transforms, topics and clocks changed, and what explains it
+    /// Compare two platforms or recordings: changed transforms, topics and clocks
+    ///
+    /// Where a known convention error (inverse, quaternion order, degrees, ...) explains a change, the error is named.
     Diff(Diff),
-    /// Write a configuration to begin with: who states which transform, what must be judged from now on
+    /// Write an initial frames-lint.yaml from what the inputs contain
+    ///
+    /// It lists which source states which transform, and requires what could be checked this time to be checked from now on.
     Init(Init),
-    /// Explain a rule: what it checks, why, how it decides, how to fix
+    /// Explain a rule: what it checks, why it matters, how it decides, how to fix it
     Explain {
-        /// Code or name of the rule (TREE01, orphan-subtree)
+        /// Code or name of the rule (TREE01 or orphan-subtree)
         #[arg(add = ArgValueCandidates::new(rules))]
         rule: String,
     },
     /// List the rules
     Rules {
-        /// How to list them
+        /// Output format
         #[arg(long, value_enum, default_value = "text")]
         format: RulesFormat,
     },
-    /// Save what was read, to be judged later with `check --evidence`; judges nothing
+    /// Save what is read from the inputs, for a later `check --evidence`
+    ///
+    /// Applies no rules. The evidence file is small and can be checked without the original recordings.
     Collect(Collect),
-    /// Draw the frame tree with who says what; judges nothing
+    /// Draw the frame tree, with the source of each transform
+    ///
+    /// Applies no rules.
     Tree(Tree),
-    /// Show frames, clouds, tracks, plots and findings in the viewer of rerun.io
+    /// Show frames, point clouds, tracks, plots and findings in the Rerun viewer
     View(View),
-    /// Check the products of transforms in source code (C++, Python, Rust): do the frames of their names cancel?
+    /// Check products of transforms in source code (C++, Python, Rust)
+    ///
+    /// In a product such as `map_from_base * base_from_lidar`, adjacent frames in the names must match.
     Chain(Chain),
-    /// Write a transform in another dialect or form, with the chain that leads to it
+    /// Convert a transform to the format of another tool, or to another notation
+    ///
+    /// The chain of transforms that leads to the result is written as well.
     Convert(Convert),
-    /// Write the expansion of a xacro file: what reading calls for each of them, in a process of its own
+    /// Expand one xacro file; `check` runs this in a separate process for each xacro file
     #[command(name = engine::EXPAND_XACRO, hide = true)]
     ExpandXacro {
-        /// The file
+        /// Xacro file
         file: PathBuf,
-        /// Arguments for it
+        /// Arguments of the xacro file
         #[arg(value_name = "NAME:=VALUE", value_parser = xacro_arg)]
         args: Vec<String>,
-        /// Folder that may be read; may be repeated, and without it any may
+        /// Folder that may be read; repeatable [default: all]
         #[arg(long, value_name = "DIR")]
         allowed: Vec<PathBuf>,
-        /// Folder that relative paths in the file start from; without it the working directory
+        /// Base folder of relative paths in the file [default: working directory]
         #[arg(long, value_name = "DIR")]
         from: Option<PathBuf>,
     },
     /// Write a completion script for a shell
     Completions {
-        /// The shell
+        /// Shell to write the script for
         #[arg(value_enum)]
         shell: clap_complete::Shell,
     },
-    /// Write a manual page
+    /// Write a manual page (roff)
     Man {
-        /// The verb whose page is wanted; the program's own page without it
+        /// Command to describe [default: the program itself]
         #[arg(add = ArgValueCandidates::new(verbs))]
         verb: Option<String>,
     },
@@ -97,7 +111,9 @@ pub(super) enum Verb {
 
 #[derive(Debug, Args)]
 pub(super) struct Input {
-    /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
+    /// Files and folders; `-` reads a list of paths from standard input
+    ///
+    /// The list has one path per line, or NUL-separated paths (`git ls-files -z`).
     #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -106,42 +122,49 @@ pub(super) struct Input {
 
 #[derive(Clone, Debug, Args)]
 pub(super) struct Reading {
-    /// Argument for xacro files; may be repeated
+    /// Argument for xacro files; repeatable
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
-    /// Who expands xacro files: this program alone (own), or also the installed xacro program and the environment (run), which execute what
-    /// the files say
+    /// Who expands xacro files: frames-lint alone, or also the installed xacro
+    ///
+    /// The installed xacro program executes code in the files it expands: use `run` only with files that you trust.
     #[arg(long, value_name = "WHO", value_enum, default_value_t)]
     pub(super) xacro: Xacro,
-    /// Let configurations that are found extend files, and take tables from files, outside of their repositories
+    /// Allow configurations to refer to files outside their repository
+    ///
+    /// Concerns configurations found beside the inputs: their `extends` and their tables. Not allowed by default.
     #[arg(long)]
     pub(super) outside: bool,
-    /// Folder with message definitions (package/msg/Type.msg), for recordings that carry none; may be repeated
+    /// Folder with message definitions (package/msg/Type.msg); repeatable
+    ///
+    /// Needed for recordings that contain no definitions of their message types.
     #[arg(long = "msg-path", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(super) msg_paths: Vec<PathBuf>,
-    /// Read recordings wholly, instead of windows spread over their length
+    /// Read recordings completely, instead of in windows spread over their length
     #[arg(long, conflicts_with_all = ["windows", "budget"])]
     pub(super) full: bool,
-    /// Number of windows that a recording is read in, instead of what the rules ask for
+    /// Number of windows to read of each recording [default: as many as the rules need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) windows: Option<u32>,
-    /// Time until which more is read of recordings where a rule lacks evidence (30s, 2min), instead of 2 GiB of each
+    /// Time limit for reading more of recordings (30s, 2min) [default: none]
+    ///
+    /// More is read where a rule lacks evidence. Without a time limit, up to 2 GiB of each recording are read.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(super) budget: Option<std::time::Duration>,
 }
 
-/// Who expands xacro files.
+/// Programs that may expand xacro files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Xacro {
-    /// This program alone, without the environment
+    /// frames-lint alone, without the ROS environment
     #[default]
     Own,
-    /// The installed xacro program as well
+    /// Also the installed xacro program and the ROS environment
     Run,
 }
 
 impl Reading {
-    /// What the engine is asked for with these paths.
+    /// The engine's options for these paths.
     pub(super) fn options(self, paths: Vec<PathBuf>, surroundings: Surroundings) -> engine::Options {
         engine::Options {
             extent: self.extent(),
@@ -154,7 +177,7 @@ impl Reading {
         }
     }
 
-    /// The same in words.
+    /// How much of recordings is read, in words.
     pub(super) fn extent_words(&self) -> String {
         let budget = self.budget.map_or_else(
             || "more is read where a rule lacks evidence".to_owned(),
@@ -166,9 +189,9 @@ impl Reading {
             },
         );
         match (self.full, self.windows) {
-            (true, _) => "read wholly".to_owned(),
+            (true, _) => "read completely".to_owned(),
             (false, Some(windows)) => format!("read in {windows} windows spread over their length; {budget}"),
-            (false, None) => format!("read in windows spread over their length, as the rules ask for; {budget}"),
+            (false, None) => format!("read in windows spread over their length, as many as the rules need; {budget}"),
         }
     }
 
@@ -186,57 +209,64 @@ impl Reading {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Check {
-    /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
-    /// [default: the folder that it is called in, without --evidence]
+    /// Files and folders; `-` reads a list of paths from standard input [default: .]
+    ///
+    /// The list has one path per line, or NUL-separated paths (`git ls-files -z`). With --evidence there is no default.
     #[arg(value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
-    /// Evidence saved by `collect`, judged as the files were; may be repeated, and stand beside paths
+    /// Evidence file saved by `collect`; repeatable
+    ///
+    /// Checked like the original inputs, together with the paths on the command line.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) evidence: Vec<PathBuf>,
-    /// Configuration for everything; without it each frames-lint.yaml counts for its folder and below
+    /// Configuration for all inputs [default: each frames-lint.yaml, for its folder]
+    ///
+    /// Without this option, a frames-lint.yaml applies to its folder and everything below.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
-    /// Show which configuration governs a file, and what it changes
+    /// Show which configuration applies to a file and what it changes; check nothing
     #[arg(long, value_name = "FILE", value_hint = ValueHint::AnyPath, conflicts_with_all = ["paths", "evidence"])]
     pub(super) show_settings: Option<PathBuf>,
-    /// Profile that the configuration stands on
+    /// Profile on which the configuration is based
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(PROFILES.iter().map(|(name, _)| *name)))]
     pub(super) profile: Option<String>,
-    /// Baseline: the findings in it are accepted, and new ones are not
+    /// Baseline: findings listed in it are accepted, only new ones count
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) baseline: Option<PathBuf>,
-    /// Write the findings of this run to a baseline, and accept them
+    /// Write the findings of this run to a baseline, and accept them in this run
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) write_baseline: Option<PathBuf>,
     #[command(flatten)]
     pub(super) fixing: Fixing,
-    /// Check again whenever one of the inputs changes, until interrupted
+    /// Check again whenever an input changes, until interrupted (Ctrl-C)
     #[arg(long, conflicts_with_all = ["fix", "unsafe_fixes", "diff", "write_baseline"])]
     pub(super) watch: bool,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Rules to run: codes, names or families, with commas between; all without it
+    /// Rules to run: codes, names or families, comma-separated [default: all]
     #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) select: Vec<String>,
-    /// Rules to leave out: codes, names or families, with commas between
+    /// Rules to skip: codes, names or families, comma-separated
     #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) ignore: Vec<String>,
     #[command(flatten)]
     pub(super) reporting: Reporting,
     #[command(flatten)]
     pub(super) views: Views,
-    /// Tell on standard error where the time goes: which inputs, which rules
+    /// Print the time spent on each input and rule to standard error
     #[arg(long)]
     pub(super) timings: bool,
 }
 
-/// Views beside a report.
+/// Views written in addition to a report.
 #[derive(Debug, Args)]
 pub(super) struct Views {
-    /// Write what there is to be seen to a file for the viewer of rerun.io (`rerun FILE` opens it)
+    /// Write a file for the Rerun viewer as well (open it with `rerun FILE`)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) rrd: Option<PathBuf>,
-    /// How large such a file may be: what is shown is thinned until it fits (MB, or with a unit: 800kB, 2GB)
+    /// Maximum size of the --rrd file (MB, or with a unit: 800kB, 2GB)
+    ///
+    /// Samples and points are thinned out, and meshes left out, until the file is small enough.
     #[arg(long, value_name = "SIZE", default_value = "100MB", value_parser = size)]
     pub(super) max_size: u64,
 }
@@ -246,47 +276,51 @@ pub(super) struct Views {
 pub(super) struct View {
     #[command(flatten)]
     pub(super) input: Input,
-    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    /// Configuration that declares conventions of the inputs
+    ///
+    /// [default: the nearest frames-lint.yaml in the folders above the inputs]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
-    /// Write the views to a file (`rerun FILE` opens it)
+    /// Write the views to a file (open it with `rerun FILE`)
     #[arg(short, long, value_name = "FILE", group = "where", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
-    /// Replace a file that is there and holds no views
+    /// Overwrite an existing file that contains no views
     #[arg(long)]
     pub(super) force: bool,
-    /// Start the viewer, the program `rerun`
+    /// Start the viewer (the program `rerun`) and show the views
     #[arg(long, group = "where")]
     pub(super) spawn: bool,
-    /// Send the views to a viewer that runs (rerun+http://127.0.0.1:9876/proxy)
+    /// Send the views to a running viewer (rerun+http://127.0.0.1:9876/proxy)
     #[arg(long, value_name = "URL", group = "where")]
     pub(super) connect: Option<String>,
-    /// How large the views may be: what is shown is thinned until it fits (MB, or with a unit: 800kB, 2GB)
+    /// Maximum size of the views (MB, or with a unit: 800kB, 2GB)
+    ///
+    /// Samples and points are thinned out, and meshes left out, until the views are small enough.
     #[arg(long, value_name = "SIZE", default_value = "100MB", value_parser = size)]
     pub(super) max_size: u64,
 }
 
-/// Which fixes are applied or shown.
+/// Fixes to apply or to show.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Fixing {
-    /// Apply the fixes that are safe, and report what is left
+    /// Apply the safe fixes, then check again and report the remaining findings
     #[arg(long)]
     pub(super) fix: bool,
-    /// Apply the fixes that change behaviour as well
+    /// Apply all fixes, including those that change behaviour
     #[arg(long)]
     pub(super) unsafe_fixes: bool,
-    /// Show what would be fixed as a diff, and change nothing; with --unsafe-fixes all of it
+    /// Show the fixes as a diff and change no file; with --unsafe-fixes all of them
     #[arg(long, conflicts_with = "fix")]
     pub(super) diff: bool,
 }
 
-/// What is left out of a report for people.
+/// Parts to leave out of a report for people.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Less {
-    /// Show findings and inputs with problems, and nothing else
+    /// Show only findings and inputs with problems
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Show how many findings each rule has, instead of the findings
+    /// Show the number of findings of each rule, instead of the findings
     #[arg(long, conflicts_with = "quiet")]
     statistics: bool,
 }
@@ -301,39 +335,45 @@ impl Less {
     }
 }
 
-/// How the verdict is told.
+/// How results are reported.
 #[derive(Debug, Args)]
 pub(super) struct Reporting {
-    /// Findings of this severity or worse give exit code 1; hints never do [default: the configuration's `fail-on`, else error]
+    /// Lowest severity that gives exit code 1; hints never do
+    ///
+    /// [default: `fail-on` of the configuration, else error]
     #[arg(long, value_enum, value_name = "SEVERITY")]
     pub(super) fail_on: Option<FailOn>,
-    /// Form of the report
+    /// Format of the report
     #[arg(long, value_enum, default_value = "human")]
     pub(super) format: Format,
-    /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
+    /// Colour in the report; auto: only on a terminal, and if NO_COLOR is not set
     #[arg(long, value_enum, default_value = "auto", value_name = "WHEN")]
     pub(super) color: Color,
-    /// List every check that was not evaluated, with its reason
+    /// List every check that was not evaluated, with the reason
     #[arg(short, long)]
     pub(super) verbose: bool,
-    /// Show every finding, however many there are
+    /// Show every finding, without a limit on their number
     #[arg(long)]
     pub(super) all: bool,
     #[command(flatten)]
     pub(super) less: Less,
-    /// Write the report to a file, in the form that its name ends in (.sarif, .html, .json, .jsonl, .xml, .md) unless --format says
-    /// another; the counts and the verdict go to standard error. With a format before the file, a report of that format besides
-    /// (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
+    /// Write the report to a file; repeatable, one format per file
+    ///
+    /// The format follows from the file's extension (.sarif, .html, .json, .jsonl, .xml, .md) unless --format names another.
+    /// `FORMAT=FILE` sets the format of one file (`--output sarif=frames.sarif --output junit=frames.xml`). The counts and
+    /// the verdict go to standard error.
     #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, add = ArgValueCompleter::new(outputs))]
     pub(super) output: Vec<Output>,
-    /// Replace files that are there and are no reports; with --fix, files that may not be written, have several names or lie outside of
-    /// what is checked. Inputs are never replaced by outputs
+    /// Overwrite existing files that are not reports
+    ///
+    /// With --fix: also change files that are read-only, have several names (links), or are outside the checked paths.
+    /// An output never overwrites an input.
     #[arg(long)]
     pub(super) force: bool,
 }
 
 impl Reporting {
-    /// The files that are written: reports, and others.
+    /// The files to write: reports and others.
     pub(super) fn outputs<'o>(&self, others: impl IntoIterator<Item = &'o Option<PathBuf>>) -> Outputs {
         let reports = self.output.iter().map(|output| output.file.clone());
         Outputs {
@@ -343,12 +383,12 @@ impl Reporting {
         }
     }
 
-    /// From which severity on findings fail the run.
+    /// The lowest severity that fails the run.
     pub(super) fn fail_on(&self, run: &Run) -> FailOn {
         self.fail_on.or(run.fail_on).unwrap_or_default()
     }
 
-    /// The form of what goes to a file.
+    /// The format of a report in a file.
     pub(super) fn format_of(&self, output: &Output) -> Format {
         match (output.format, self.format) {
             (None, Format::Human) => by_ending(&output.file),
@@ -356,28 +396,28 @@ impl Reporting {
         }
     }
 
-    /// Whether the report goes to a file, and only its ending to whoever waits.
+    /// Whether the report goes to a file, and only its ending to the terminal.
     pub(super) fn is_in_file(&self) -> bool {
         self.output.iter().any(|output| output.format.is_none())
     }
 
-    /// Whether every report is written while the run goes on.
+    /// Whether every report is written during the run.
     pub(super) fn streams(&self) -> bool {
         let mut formats = self.output.iter().map(|output| self.format_of(output));
         formats.all(|one| one == Format::JsonLines) && (self.is_in_file() || self.format == Format::JsonLines)
     }
 
-    /// Whether some report has this form.
+    /// Whether a report has this format.
     pub(super) fn has(&self, format: Format) -> bool {
         let mut formats = self.output.iter().map(|output| self.format_of(output));
         (self.format == format && !self.is_in_file()) || formats.any(|one| one == format)
     }
 }
 
-/// A file that a report goes to.
+/// A file for a report.
 #[derive(Clone, Debug)]
 pub(super) struct Output {
-    /// Its form; that of `--format` where `None`.
+    /// Its format; `None`: that of `--format`.
     pub(super) format: Option<Format>,
     pub(super) file: PathBuf,
 }
@@ -385,7 +425,9 @@ pub(super) struct Output {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Chain {
-    /// Files and folders with source code; `-` takes a list from standard input, one path a line or NUL-separated
+    /// Source files and folders; `-` reads a list of paths from standard input
+    ///
+    /// The list has one path per line, or NUL-separated paths (`git ls-files -z`).
     #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -396,50 +438,56 @@ pub(super) struct Chain {
 pub(super) struct Convert {
     #[command(flatten)]
     pub(super) input: Input,
-    /// The form (urdf, tf, matrix, quaternion, rpy) or the dialect (kalibr, vins-fusion, fast-lio, nuscenes, ...)
+    /// Notation (urdf, tf, matrix, quaternion, rpy), or tool (kalibr, fast-lio, ...)
     #[arg(long, value_name = "FORM", value_parser = Targets)]
     pub(super) to: String,
-    /// The transform that takes points of SOURCE to TARGET, over any chain; all that were read without it
+    /// Convert TARGET_from_SOURCE, over any chain [default: every transform read]
+    ///
+    /// It takes coordinates expressed in SOURCE to coordinates expressed in TARGET.
     #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
     pub(super) frames: Vec<String>,
-    /// The key of the dialect to write under; with --is, the key of the statement that is meant
+    /// Key to write under; with --is, the key of the transform in the input
     #[arg(long, value_name = "KEY")]
     pub(super) key: Option<String>,
-    /// What a statement without frames is
+    /// Frames of a transform whose file does not name them
     #[arg(long, value_name = "TARGET from SOURCE", value_parser = is)]
     pub(super) is: Option<(String, String)>,
-    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    /// Configuration that declares conventions of the inputs
+    ///
+    /// [default: the nearest frames-lint.yaml in the folders above the inputs]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
-    /// Write to a file instead of standard output; a name that ends in .feather makes a Feather file
+    /// Write to a file instead of standard output; *.feather gives a Feather file
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
-    /// Replace a file that is there
+    /// Overwrite an existing file
     #[arg(long)]
     pub(super) force: bool,
 }
 
 const DIFF_EXIT_CODES: &str = "\
 Exit codes:
-   0  no change
+   0  no changes
    1  changes
-   2  the call or the configuration is wrong
-   3  the two have nothing in common, or no change was found and an input could not be read in full
-  70  a rule broke: a fault of frames-lint";
+   2  wrong command line or configuration
+   3  nothing in common; or no changes found, but an input was not read in full
+  70  internal error: a bug in frames-lint";
 
 #[derive(Debug, Args)]
 #[command(after_help = DIFF_EXIT_CODES)]
 pub(super) struct Diff {
-    /// What was there before: a file, a recording or a folder
+    /// Before: a file, a recording or a folder
     #[arg(value_name = "BEFORE", value_hint = ValueHint::AnyPath)]
     pub(super) before: PathBuf,
-    /// What is there now
+    /// After: a file, a recording or a folder
     #[arg(value_name = "AFTER", value_hint = ValueHint::AnyPath)]
     pub(super) after: PathBuf,
-    /// Form of the comparison
+    /// Format of the comparison
     #[arg(long, value_enum, default_value = "text")]
     pub(super) format: DiffFormat,
-    /// Configuration with the conventions that both follow; without it the frames-lint.yaml nearest above each
+    /// Configuration that declares conventions of both
+    ///
+    /// [default: the nearest frames-lint.yaml in the folders above each of the two]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
     #[command(flatten)]
@@ -456,10 +504,10 @@ pub(super) enum DiffFormat {
 pub(super) struct Init {
     #[command(flatten)]
     pub(super) input: Input,
-    /// Where it goes; `-` for standard output [default: frames-lint.yaml in the first folder]
+    /// File to write, `-` for standard output [default: frames-lint.yaml in first path]
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
-    /// Overwrite a configuration that is there
+    /// Overwrite an existing configuration
     #[arg(long)]
     pub(super) force: bool,
 }
@@ -471,7 +519,7 @@ pub(super) struct Collect {
     /// Write the evidence to a file instead of standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
-    /// Replace a file that is there and is no report or evidence
+    /// Overwrite an existing file that is neither a report nor evidence
     #[arg(long)]
     pub(super) force: bool,
 }
@@ -480,15 +528,17 @@ pub(super) struct Collect {
 pub(super) struct Tree {
     #[command(flatten)]
     pub(super) input: Input,
-    /// Form of the drawing
+    /// Format of the drawing
     #[arg(long, value_enum, default_value = "text")]
     pub(super) format: TreeFormat,
-    /// Show the trees as they are at a stamp, in the stamps' own clock: seconds, or a date and time; recordings are read
-    /// wholly
+    /// Show the trees at a timestamp: seconds, or a date and time
+    ///
+    /// The timestamp is one of header stamps. Recordings are read completely.
     #[arg(long, value_name = "STAMP", value_parser = super::stamp::parse)]
     pub(super) at: Option<i64>,
-    /// Show every transform between two frames and their product, at --at or at the latest stamp that all of them have;
-    /// recordings are read wholly
+    /// Show every transform between two frames, and their product
+    ///
+    /// At the timestamp of --at, else at the latest one that all of the transforms have. Recordings are read completely.
     #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
     pub(super) chain: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! How a run was asked for, as its report tells it: the command line, and the day.
+//! How a run was called, for its report: the command line and the date.
 
 use std::ffi::OsString;
 
@@ -7,7 +7,7 @@ use crate::verdict::waiver::Day;
 
 use super::Failure;
 
-/// The command line, for those who want to give it again, and the day.
+/// The command line, so that the run can be repeated, and the date.
 pub(super) fn of(arguments: &[OsString], today: &Day) -> report::Call {
     let given = arguments
         .iter()
@@ -22,7 +22,7 @@ pub(super) fn of(arguments: &[OsString], today: &Day) -> report::Call {
     }
 }
 
-/// The day of the run (UTC): that of `SOURCE_DATE_EPOCH` where it is set, so that reports can be made again as they were.
+/// The date of the run (UTC): that of `SOURCE_DATE_EPOCH` if it is set, so that reports are reproducible.
 pub(super) fn today() -> Result<Day, Failure> {
     let Some(text) = std::env::var_os("SOURCE_DATE_EPOCH").filter(|text| !text.is_empty()) else {
         return Ok(Day::of(std::time::SystemTime::now()));
@@ -31,6 +31,6 @@ pub(super) fn today() -> Result<Day, Failure> {
         .to_str()
         .and_then(|text| text.parse::<u64>().ok())
         .and_then(|seconds| std::time::SystemTime::UNIX_EPOCH.checked_add(std::time::Duration::from_secs(seconds)));
-    let moment = moment.ok_or_else(|| Failure::Usage("SOURCE_DATE_EPOCH is no number of seconds".to_owned()))?;
+    let moment = moment.ok_or_else(|| Failure::Usage("SOURCE_DATE_EPOCH is not a number of seconds".to_owned()))?;
     Ok(Day::of(moment))
 }

@@ -1,4 +1,4 @@
-//! `frames-lint check` and `chain`: judges, and reports where it is wanted.
+//! `frames-lint check` and `chain`.
 
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -17,7 +17,7 @@ use super::args::{Chain, Check, Color, Reporting};
 use super::stream::{Stream, print_json, save_json};
 use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
-/// Judges the inputs and reports.
+/// Checks the inputs and writes the reports.
 pub(super) fn run(
     check: Check,
     arguments: &[OsString],
@@ -28,7 +28,7 @@ pub(super) fn run(
     let mut call = call::of(arguments, &today);
     call.settings.push(("Recordings", check.reading.extent_words()));
     let fixing = check.fixing;
-    // What is altered behind the check is expressed in the end.
+    // Fixes and baselines alter results after the check: a report can be streamed only without them.
     let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
     let options = engine::Options {
         paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
@@ -92,7 +92,7 @@ pub(super) fn run(
             stream.grown(run, grown);
         }
     });
-    // The program ends with the report: freeing every name one by one first would be time for nothing.
+    // The program ends after the report: freeing the memory of the run first would only cost time.
     let mut run = ManuallyDrop::new(checked?);
     if fixing.diff {
         return Ok(fixes::show(&run, &options, fixing.unsafe_fixes, &check.reporting));
@@ -103,7 +103,7 @@ pub(super) fn run(
     }
     if let Some(path) = check.write_baseline {
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
-        let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
+        let _ = writeln!(said, "wrote {count} to {}; accept them with --baseline", path.display());
     }
     if let Some(file) = &check.views.rrd {
         said.push_str(&view::save(&run, file, check.views.max_size)?);
@@ -123,12 +123,12 @@ pub(super) fn run(
             .cloned()
             .chain(config)
             .collect();
-        answer.err.push_str("watching; interrupt to end\n");
+        answer.err.push_str("watching for changes; stop with Ctrl-C\n");
     }
     Ok(answer)
 }
 
-/// The products of transforms in source code, judged by the one rule that speaks of them.
+/// Checks the products of transforms in source code by the one rule for them.
 pub(super) fn chain(
     chain: Chain,
     arguments: &[OsString],
@@ -147,7 +147,7 @@ pub(super) fn chain(
     tell(&mut run, &chain.reporting, call, (None, None), surroundings)
 }
 
-/// The reports of a run where they are wanted, and the exit code.
+/// Writes the reports of a run to their files and outputs; gives the exit code.
 fn tell(
     run: &mut Run,
     reporting: &Reporting,
@@ -177,7 +177,7 @@ fn tell(
             (None, Some(_)) => "the configuration",
             (None, None) => "the default",
         };
-        let words = format!("{} on, by {origin}; hints never do", fail_on.word());
+        let words = format!("{} (from {origin}); hints never fail the run", fail_on.word());
         call.settings.insert(0, ("Findings count from", words));
     }
     let run = &*run;
@@ -198,7 +198,7 @@ fn tell(
         }
     }
     if reporting.is_in_file() {
-        // The file has the report; whoever waits at the terminal still learns how it ended.
+        // The report is in the file; the terminal shows how the run ended.
         let style = Style {
             color: false,
             ..surroundings.style

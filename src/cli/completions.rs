@@ -1,8 +1,8 @@
-//! Completion in shells: the scripts that ask this program, and its answers.
+//! Completion in shells: the scripts that call this program, and its answers.
 //!
-//! A shell asks with [`SHELL`] in the environment and the words of its line behind `--`; the answer has a line for each word that fits.
-//! The library's scripts are used where they do all that is needed. Its own for bash loses what stands before a `=`, where bash
-//! breaks words, and quotes no file names; that for zsh puts a space behind `json=`.
+//! A shell calls with [`SHELL`] in the environment and the words of its line after `--`; the answer has one line per matching word.
+//! The library's scripts are used except for bash and zsh: its script for bash loses the text before a `=`, where bash breaks words,
+//! and does not quote file names; its script for zsh puts a space after `json=`.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, absolute};
@@ -15,15 +15,15 @@ use clap_complete::env::{EnvCompleter, Shells};
 use super::args::Cli;
 use super::{Answer, Failure};
 
-/// Names the shell that asks.
+/// Names the shell that calls.
 const SHELL: &str = "FRAMES_LINT_COMPLETE";
-/// The number of the word that is completed, the program's name being 0; the library's name.
+/// The index of the word to complete, 0 for the program's name; the library's name of the variable.
 const INDEX: &str = "_CLAP_COMPLETE_INDEX";
 
-/// The script that a shell reads once.
+/// The script that a shell reads at its start.
 pub(super) fn script(shell: Shell, program: &OsStr) -> Result<Answer, Failure> {
     let program = Path::new(program);
-    // A name alone is looked for in PATH, then as now.
+    // A name without a folder is found in PATH.
     let program = match program.components().count() {
         0 | 1 => program.to_owned(),
         _ => absolute(program).map_err(|error| Failure::Ours(error.to_string()))?,
@@ -43,7 +43,7 @@ pub(super) fn script(shell: Shell, program: &OsStr) -> Result<Answer, Failure> {
     })
 }
 
-/// The words that fit, where a shell asks for them.
+/// The matching words, if a shell calls for them.
 pub(super) fn asked(arguments: &[OsString]) -> Option<Result<Answer, Failure>> {
     let shell = std::env::var(SHELL).ok().filter(|shell| !shell.is_empty())?;
     let words = arguments.iter().skip_while(|word| *word != "--").skip(1);
@@ -75,7 +75,7 @@ fn words_that_fit(shell: &str, words: Vec<OsString>) -> Result<String, Failure> 
     })
 }
 
-/// What the library writes.
+/// The library's completer of a shell.
 fn answered(write: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>) -> Result<String, Failure> {
     let mut out = Vec::new();
     write(&mut out).map_err(|error| Failure::Usage(error.to_string()))?;
@@ -84,10 +84,10 @@ fn answered(write: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>) 
 
 fn completer(shell: &str) -> std::io::Result<&'static dyn EnvCompleter> {
     let known = Shells::builtins().0.iter().copied().find(|known| known.is(shell));
-    known.ok_or_else(|| std::io::Error::other(format!("{SHELL}: there are no completions for `{shell}`")))
+    known.ok_or_else(|| std::io::Error::other(format!("{SHELL}: completions for `{shell}` are not supported")))
 }
 
-/// The words with those put together that bash broke at a `=`, the number of the word that is completed, and its part that bash keeps.
+/// Rejoins the words that bash broke at a `=`; gives them, the index of the word to complete, and its part that bash keeps.
 fn joined(words: Vec<OsString>, index: usize) -> (Vec<OsString>, usize, String) {
     let mut whole: Vec<OsString> = Vec::new();
     let (mut number, mut begun, mut is_open) = (0, String::new(), false);

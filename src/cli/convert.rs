@@ -13,7 +13,7 @@ use crate::visible::clean;
 use super::args::Convert;
 use super::{Answer, Failure, Surroundings, paths, save};
 
-/// Writes what was asked for, and says on standard error how it came about.
+/// Writes the converted transforms; the chains that lead to them go to standard error.
 pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::read(&engine::Options {
         config: asked.config,

@@ -9,8 +9,8 @@ use crate::verdict::Outcome;
 use super::args::{Diff, DiffFormat};
 use super::{Answer, Failure, Surroundings};
 
-/// Compares two platforms. 0: no change; 1: changes; 3: they have nothing in common, or no change was found and an input could not be
-/// read in full; 70: a rule broke.
+/// Compares two platforms. 0: no changes; 1: changes; 3: they have nothing in common, or no changes were found and an input could not be
+/// read in full; 70: internal error.
 pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Failure> {
     let read = |path: &std::path::Path| {
         engine::check(&engine::Options {

@@ -1,4 +1,4 @@
-//! `check --fix`, `--unsafe-fixes` and `--diff`: fixes shown, or applied until none is left.
+//! `check --fix`, `--unsafe-fixes` and `--diff`: shows fixes, or applies them until none remains.
 
 use std::fmt::Write;
 use std::mem::ManuallyDrop;
@@ -12,10 +12,10 @@ use crate::run::Run;
 use super::args::Reporting;
 use super::{Answer, Failure};
 
-/// A fix may uncover another one in the same place; more rounds than that fix nothing.
+/// A fix may make another one possible in the same place; more rounds than this never helped.
 const ROUNDS: usize = 8;
 
-/// What would be fixed, as a diff on standard output. The ending of the report goes to standard error, and the exit code is the report's.
+/// Shows the fixes as a diff on standard output. The ending of the report goes to standard error; the exit code is the report's.
 pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &Reporting) -> Answer {
     let plan = fix::plan(run, all, checked(options));
     let fail_on = reporting.fail_on(run);
@@ -29,7 +29,7 @@ pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &Reportin
     }
 }
 
-/// Applies fixes and checks again, until none is left to apply. Says what was done, and whether every file could be written.
+/// Applies fixes and checks again, until none remains. Returns what was done, and whether every file could be written.
 pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -> Result<(String, bool), Failure> {
     let mut said = String::new();
     for _ in 0..ROUNDS {
@@ -55,12 +55,12 @@ pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -
     Ok((said, true))
 }
 
-/// What alone may be replaced: what was checked; everything where the user says so.
+/// The paths in which files may be changed: those checked, or any with --force.
 fn checked(options: &Options) -> Option<&[PathBuf]> {
     (!options.outputs.force).then_some(&options.paths)
 }
 
-/// `fixed 3 findings in 2 files`, what was left and why, and what --unsafe-fixes would do.
+/// `fixed 3 findings in 2 files`, what was not fixed and why, and what --unsafe-fixes would do.
 fn words(plan: &fix::Plan, verb: &str) -> String {
     let mut words = format!(
         "{verb} {} in {}\n",
@@ -72,13 +72,13 @@ fn words(plan: &fix::Plan, verb: &str) -> String {
     }
     if plan.not_asked > 0 {
         let fixes = if plan.not_asked == 1 {
-            "1 more fix changes".to_owned()
+            "1 other fix changes".to_owned()
         } else {
-            format!("{} more fixes change", plan.not_asked)
+            format!("{} other fixes change", plan.not_asked)
         };
         let _ = writeln!(
             words,
-            "{fixes} behaviour: --unsafe-fixes applies them, --diff --unsafe-fixes shows them"
+            "{fixes} behaviour: show with --diff --unsafe-fixes, apply with --unsafe-fixes"
         );
     }
     words

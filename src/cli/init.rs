@@ -10,10 +10,10 @@ use crate::report::init;
 use super::args::Init;
 use super::{Answer, Failure, Surroundings, paths, save};
 
-/// The name of a configuration.
+/// The file name of a configuration.
 const NAME: &str = "frames-lint.yaml";
 
-/// Checks the inputs and writes a configuration from what was found. Judged without the configuration that may be there.
+/// Checks the inputs and writes a configuration from the results. An existing configuration is not applied.
 pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let inputs = paths(init.input.paths, stdin)?;
     let target = match init.output {
@@ -24,7 +24,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
     if let Some(path) = target.as_ref().filter(|path| path.exists() && !init.force) {
         let shown = path.display();
         return Err(Failure::Usage(format!(
-            "`{shown}` is there already; --force overwrites it, `-o -` shows a new one"
+            "`{shown}` exists; overwrite it with --force, or print a new one with `-o -`"
         )));
     }
     let run = engine::check(&engine::Options {
@@ -43,7 +43,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
         None => answer.out = text,
         Some(path) => {
             save(&path, text)?;
-            answer.out = format!("{} written; read it, and take out what does not hold\n", path.display());
+            answer.out = format!("wrote {}; review it, and delete what is not correct\n", path.display());
         }
     }
     Ok(answer)

@@ -1,21 +1,19 @@
-//! Stamps on the command line: seconds with a fraction, or a date and time.
+//! Timestamps on the command line: seconds with a fraction, or a date and time.
 
-/// Nanoseconds of a stamp's own clock: `1700000000.25` to the last digit, or RFC 3339 (`2023-11-14T22:13:20.25Z`, also
-/// with a blank for the `T`, without the zone for UTC, or with an offset such as `+02:00`).
+/// Nanoseconds of the timestamp's own clock: `1700000000.25` to the last digit, or RFC 3339 (`2023-11-14T22:13:20.25Z`, also
+/// with a space for the `T`, without the zone for UTC, or with an offset such as `+02:00`).
 pub(super) fn parse(text: &str) -> Result<i64, String> {
     let text = text.trim();
     let ns = if text.contains(':') { date(text) } else { seconds(text) };
     match ns {
-        Some(0) => Err("a stamp of zero asks tf2 for the latest: leave the option out for that".to_owned()),
+        Some(0) => Err("a timestamp of 0 means the latest one in tf2: leave --at out for that".to_owned()),
         Some(ns) if ns > 0 => Ok(ns),
-        Some(_) => Err("a stamp cannot be negative".to_owned()),
-        None => Err(
-            "a stamp is a number of seconds (1700000000.25) or a date and time (2023-11-14T22:13:20.25Z)".to_owned(),
-        ),
+        Some(_) => Err("a timestamp cannot be negative".to_owned()),
+        None => Err("expected seconds (1700000000.25) or a date and time (2023-11-14T22:13:20.25Z)".to_owned()),
     }
 }
 
-/// Without a detour over floating point, which would round to a quarter of a microsecond.
+/// In integers: floating point would round to a quarter of a microsecond.
 fn seconds(text: &str) -> Option<i64> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, "0"));
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());

@@ -1,4 +1,4 @@
-//! `--format json-lines`: written while the run goes on, a recording after the other.
+//! `--format json-lines`: written during the run, one recording after the other.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::run::{FailOn, Grown, Run};
 use super::Failure;
 use super::args::Reporting;
 
-/// Where the lines go, and why they no longer do.
+/// Where the lines go, and the error that stopped them.
 pub(super) struct Stream<'w> {
     sinks: Vec<Sink<'w>>,
     failed: Option<Failure>,
@@ -18,7 +18,7 @@ pub(super) struct Stream<'w> {
 
 enum Sink<'w> {
     Stdout(&'w mut dyn Write),
-    /// By its name. It stands in its place once all lines are there.
+    /// A file, by its name. It appears in its place when all lines are written.
     File(String, Draft),
 }
 
@@ -45,17 +45,17 @@ pub(super) fn save_json(run: &Run, fail_on: FailOn, file: &Path) -> Result<(), F
     written.map_err(|error| unwritten(&file.display().to_string(), &error))
 }
 
-/// Writes it to the standard output.
+/// Writes it to standard output.
 pub(super) fn print_json(run: &Run, fail_on: FailOn, stdout: &mut dyn Write) -> Result<(), Failure> {
     match json::write(run, fail_on, stdout).map_err(std::io::Error::from) {
-        // Whoever reads has seen enough.
+        // The reader has closed the pipe (`| head`).
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(|error| unwritten("standard output", &error)),
     }
 }
 
 impl<'w> Stream<'w> {
-    /// Opens everything that lines are wanted in. `None` where they are wanted nowhere.
+    /// Opens every file and output that gets lines; `None` if none does.
     pub(super) fn open(reporting: &Reporting, stdout: &mut Option<&'w mut dyn Write>) -> Result<Option<Self>, Failure> {
         let mut sinks: Vec<Sink<'w>> = Vec::new();
         for output in &reporting.output {
@@ -73,13 +73,13 @@ impl<'w> Stream<'w> {
         Ok((!stream.sinks.is_empty()).then_some(stream))
     }
 
-    /// What came to the run.
+    /// Writes what was added to the run.
     pub(super) fn grown(&mut self, run: &Run, grown: &Grown) {
         let written = json_lines::grown(run, grown, &mut |lines| self.write(lines));
         self.pass_on(written.map(|()| String::new()));
     }
 
-    /// The last lines; the error, where something could not be written.
+    /// Writes the last lines; gives the error if something could not be written.
     pub(super) fn end(mut self, run: &Run, fail_on: FailOn) -> Result<(), Failure> {
         self.pass_on(json_lines::end(run, fail_on));
         if let Some(failed) = self.failed {
@@ -107,7 +107,7 @@ impl<'w> Stream<'w> {
         let mut failed = None;
         self.sinks.retain_mut(|sink| match (sink.write(lines), sink) {
             (Ok(()), _) => true,
-            // Whoever reads has seen enough.
+            // The reader has closed the pipe (`| head`).
             (Err(error), Sink::Stdout(_)) if error.kind() == ErrorKind::BrokenPipe => false,
             (Err(error), sink) => {
                 let name = match sink {

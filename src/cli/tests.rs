@@ -50,7 +50,7 @@ fn a_path_without_a_verb_gets_a_hint() {
     assert!(
         answer(&["robot.urdf"])
             .err
-            .ends_with("\nTo check files: frames-lint check robot.urdf\n")
+            .ends_with("\nTo check files, use: frames-lint check robot.urdf\n")
     );
 }
 

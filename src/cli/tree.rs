@@ -9,11 +9,11 @@ use crate::run::EXIT_FINDINGS;
 use super::args::{Tree, TreeFormat};
 use super::{Answer, Failure, Surroundings, paths};
 
-/// Draws the trees, shows them at a stamp, or shows a chain; a chain that tf2 would refuse gives exit code 1.
+/// Draws the trees, shows them at a timestamp, or shows a chain; a chain that tf2 would refuse gives exit code 1.
 pub(super) fn run(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let is_of_a_moment = tree.at.is_some() || !tree.chain.is_empty();
     if is_of_a_moment && !matches!(tree.format, TreeFormat::Text) {
-        return Err(Failure::Usage("--at and --chain are written as text only".to_owned()));
+        return Err(Failure::Usage("--at and --chain support only --format text".to_owned()));
     }
     let mut extent = tree.input.reading.extent();
     // Between two windows there is nothing to interpolate.
@@ -25,7 +25,7 @@ pub(super) fn run(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) 
             .reading
             .options(paths(tree.input.paths, stdin)?, surroundings)
     })?;
-    // The drawing may be piped into a tool: what could not be read is said beside it.
+    // The drawing may be piped into a tool: problems of inputs go to standard error.
     let style = Style {
         color: false,
         ..surroundings.style

@@ -1,4 +1,4 @@
-//! `frames-lint view`, and `check --rrd`: in a build with the feature `rerun`, and without.
+//! `frames-lint view` and `check --rrd`, in builds with and without the feature `rerun`.
 
 #[cfg(feature = "rerun")]
 mod made;

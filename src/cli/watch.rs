@@ -6,18 +6,18 @@ use std::time::Duration;
 
 use notify::{EventKind, RecursiveMode, Watcher};
 
-/// Editors write in several steps: so long after the last of them the inputs are read again.
+/// Editors write in several steps: the inputs are read again this long after the last change.
 const SETTLED: Duration = Duration::from_millis(200);
 
-/// Returns when a file among these, or in these folders, has changed and nothing more changes.
+/// Returns after one of these files, or a file in one of these folders, has changed and no further change follows.
 ///
 /// # Errors
 ///
-/// What the system says where it can't watch them.
+/// The system's message if it cannot watch them.
 pub fn wait(paths: &[PathBuf]) -> Result<(), String> {
     let (sender, changes) = channel();
     let mut watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-        // Reading is no change; of an error nobody knows, so it counts as one.
+        // Reading is not a change; an error may hide one, so it counts as a change.
         let is_change = event.map_or(true, |event| !matches!(event.kind, EventKind::Access(_)));
         if is_change {
             let _ = sender.send(());
@@ -25,7 +25,7 @@ pub fn wait(paths: &[PathBuf]) -> Result<(), String> {
     })
     .map_err(|error| error.to_string())?;
     for path in paths {
-        // A file that is replaced is another file: its folder is watched.
+        // A replaced file is a new file: its folder is watched instead.
         let (watched, mode) = if path.is_dir() {
             (path.as_path(), RecursiveMode::Recursive)
         } else {
@@ -33,7 +33,7 @@ pub fn wait(paths: &[PathBuf]) -> Result<(), String> {
         };
         watcher
             .watch(watched, mode)
-            .map_err(|error| format!("`{}` can't be watched: {error}", watched.display()))?;
+            .map_err(|error| format!("cannot watch `{}`: {error}", watched.display()))?;
     }
     changes.recv().map_err(|error| error.to_string())?;
     loop {

@@ -1,4 +1,4 @@
-//! What a recording holds beside messages, in bounds.
+//! What a recording holds besides messages, bounded.
 
 use std::collections::BTreeMap;
 
@@ -10,12 +10,12 @@ pub(super) const MAX_BYTES: usize = 1 << 20;
 pub(super) struct Annotations {
     pub(super) kept: BTreeMap<String, BTreeMap<String, String>>,
     bytes: usize,
-    /// Fields that found no room.
+    /// Fields beyond the bound.
     pub(super) refused: u64,
 }
 
 impl Annotations {
-    /// Takes in the fields of a record. Records of one name are one; of two equal keys the later counts.
+    /// Takes in the fields of a record. Records of one name are merged; of two equal keys the later counts.
     pub(super) fn push(&mut self, name: &str, fields: &BTreeMap<String, String>) {
         if !self.make_room(name.len()) {
             return;
@@ -31,7 +31,7 @@ impl Annotations {
     }
 
     fn make_room(&mut self, bytes: usize) -> bool {
-        // Maps and texts cost something themselves.
+        // Maps and strings have an overhead of their own.
         let bytes = bytes.saturating_add(64);
         let fits = self.bytes.saturating_add(bytes) <= MAX_BYTES;
         if fits {

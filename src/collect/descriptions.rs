@@ -14,7 +14,7 @@ const MAX_BYTES: usize = 64 << 20;
 pub(super) struct Descriptions {
     pub(super) kept: Vec<(MessageRef, String)>,
     bytes: usize,
-    /// Texts that found no room.
+    /// Texts beyond the bound.
     pub(super) refused: u64,
 }
 

@@ -72,7 +72,7 @@ impl EdgeState {
         }
     }
 
-    /// Takes in a transform; returns whether its numbers are ones that tf2 accepts.
+    /// Takes in a transform; returns whether tf2 accepts its numbers.
     pub(super) fn push(
         &mut self,
         point: Point,
@@ -131,7 +131,7 @@ impl EdgeState {
         }
     }
 
-    /// Holds a pose against the one before, where both have one stamp.
+    /// Compares a pose with the one before, where both have the same stamp.
     fn repeats(&mut self, point: Point, pose: &Pose) {
         let Some((before, other)) = self.previous.replace((point, *pose)) else {
             return;
@@ -204,7 +204,7 @@ impl Extreme {
         })
     }
 
-    /// Whichever of angle and distance is larger in its unit: a small turn must not hide a large shift.
+    /// Whichever of angle and distance is larger in its unit: a small rotation must not hide a large shift.
     fn weight(&self) -> f64 {
         (self.angle_rad / ANGLE_UNIT_RAD).max(self.distance_m / DISTANCE_UNIT_M)
     }

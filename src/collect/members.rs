@@ -1,4 +1,4 @@
-//! What stands inside the messages of a topic and says what a standard type would.
+//! Members inside the messages of a topic with the content of a standard type.
 //!
 //! Owns how many such members are kept. Must not know how they were found.
 
@@ -16,7 +16,7 @@ use super::thin::Share;
 
 /// Bound on the members of all topics together; a driver has some five.
 pub(super) const MAX_MEMBERS: usize = 256;
-/// A topic's first member has the room of the topic, which says nothing else as a rule; each further one that of a topic
+/// A topic's first member has the room of the topic, which usually has no other content; each further one that of a topic
 /// so much later.
 const LATER: usize = 16;
 
@@ -26,7 +26,7 @@ pub(super) struct Members {
     time_fields: Arc<[String]>,
     of_type: usize,
     known: BTreeMap<Arc<str>, Box<One>>,
-    /// Those that found no room.
+    /// Those beyond the bound.
     pub(super) refused: u64,
 }
 
@@ -57,7 +57,7 @@ impl Members {
         }
     }
 
-    /// Takes in a member of the message at `point`; of a new one `room` tells how many still fit in.
+    /// Takes in a member of the message at `point`; for a new one `room` is how many more are allowed.
     pub(super) fn push(&mut self, point: Point, member: &Member<'_>, room: &mut usize) {
         let point = Point {
             stamp_ns: member.header.as_ref().map(|header| header.stamp_ns),

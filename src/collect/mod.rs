@@ -48,10 +48,10 @@ const MAX_TOPIC_NAME: usize = 256;
 /// Bound on the topics whose malformed messages get a problem of their own.
 const MAX_PROBLEMS: usize = 20;
 
-/// Bound on the stretches that are told apart.
+/// Bound on the stretches that are kept apart.
 const MAX_STRETCHES: usize = 10_000;
 
-/// What one recording gave.
+/// The result of one recording.
 #[derive(Clone, Debug, Default)]
 pub struct Collected {
     /// Evidence and frame names; exactly one bag.
@@ -71,7 +71,7 @@ pub struct How {
     pub parts: Vec<PathBuf>,
     /// The definitions of messages for recordings that carry none.
     pub definitions: Arc<Definitions>,
-    /// Fields in which points have their times, beside those that are known.
+    /// Fields that hold the times of points, in addition to the known ones.
     pub time_fields: Arc<[String]>,
 }
 
@@ -97,7 +97,7 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
     collector.finish(source, &extent)
 }
 
-/// Whether a channel holds what decides the tree: latched transforms, descriptions of robots and sensors, and what else is sent once.
+/// Whether a channel holds what determines the tree: latched transforms, descriptions of robots and sensors, and what else is sent once.
 fn decides_the_tree(channel: &Channel) -> bool {
     let is_sensor = || channel.message_type.ends_with("/String") && last_segment(&channel.topic).ends_with("metadata");
     channel.latched || matches!(last_segment(&channel.topic), "tf_static" | "robot_description") || is_sensor()
@@ -111,7 +111,7 @@ fn is_matched(channel: &Channel) -> bool {
     )
 }
 
-/// A channel that was told.
+/// A channel that was announced.
 struct Told {
     /// Its topic's number.
     topic: usize,
@@ -139,7 +139,7 @@ struct Collector {
     at_seam: bool,
     messages: u64,
     refused_channels: u64,
-    /// How many more members of messages are told apart.
+    /// How many more members of messages may be kept.
     room_for_members: usize,
     /// Topics recorded as more than one type: `(topic, the other type, whether that one is read)`.
     mixed: Vec<(usize, String, bool)>,
@@ -181,7 +181,7 @@ impl Visit for Collector {
         let has_header = header.is_some();
         let point = header.map_or(point, |header| topic.stamped(point, &header));
         match body {
-            // A single transform on a topic of its own is heard by no buffer of tf2: its frames are names, not TF.
+            // No buffer of tf2 listens to a single transform on a topic of its own: its frames are names, not TF.
             Body::Transforms(transforms) if has_header => {
                 for transform in &transforms {
                     topic.child(point, &transform.child);
@@ -313,7 +313,7 @@ impl Collector {
         }
     }
 
-    /// Says how much of the recording was examined.
+    /// Notes how much of the recording was examined.
     fn examined(&self, source: &mut Source, extent: &Extent) {
         let examined = &mut source.examined;
         examined.messages_total = extent.messages_total;
@@ -329,20 +329,20 @@ impl Collector {
         examined.windows = (!extent.whole).then_some(self.stretches_ns.len() as u64);
     }
 
-    /// Says when the recording was read, and there is nothing in it to judge by.
+    /// Reports a recording that was read and holds nothing to judge.
     fn nothing_to_judge(&self, source: &mut Source, truncated: bool) {
         let spoken = || self.topics.iter().filter(|topic| topic.count > 0);
         let (message, help) = if self.messages == 0 && !truncated {
             (
                 "no messages".to_owned(),
-                "was the recorder stopped too early, or did it subscribe with another QoS than was offered?",
+                "check that the recorder ran long enough and subscribed with a compatible QoS",
             )
         } else if let Some(first) = spoken().next()
             && let Some(why) = first.unread()
             && spoken().all(|topic| topic.unread().is_some())
         {
             let help = unread::help(first).unwrap_or("record or convert it with CDR messages, as ROS 2 writes them");
-            (format!("none of its messages could be looked into: {why}"), help)
+            (format!("none of its messages could be decoded: {why}"), help)
         } else {
             return;
         };
@@ -354,7 +354,7 @@ impl Collector {
         );
     }
 
-    /// Says what was left out of the evidence: nothing passes in silence.
+    /// Reports everything that was left out of the evidence.
     fn problems(&self, source: &mut Source) {
         let id = source.id;
         let broken = self.topics.iter().filter_map(|topic| Some((topic, topic.broken()?)));
@@ -383,7 +383,7 @@ impl Collector {
         let left_out = [
             (
                 refused_members,
-                format!("fields of messages beyond the first {MAX_MEMBERS} that say what a standard type would"),
+                format!("fields of messages beyond the first {MAX_MEMBERS} with the content of a standard type"),
             ),
             (
                 self.refused_channels,
@@ -393,14 +393,17 @@ impl Collector {
                 self.tf.refused,
                 format!("transforms beyond the first {MAX_EDGES} edges of TF"),
             ),
-            (refused_names, "message headers with ever new frame names".to_owned()),
+            (
+                refused_names,
+                "message headers beyond the limit of different frame names".to_owned(),
+            ),
             (
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
             ),
             (
                 self.metadata.refused,
-                format!("descriptions of sensors beyond the first {MAX_DESCRIPTIONS}"),
+                format!("sensor descriptions beyond the first {MAX_DESCRIPTIONS}"),
             ),
             (self.parts.refused, "files of a split recording".to_owned()),
             (
@@ -409,7 +412,7 @@ impl Collector {
             ),
         ];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
-            let message = format!("{count} {what} are not in the evidence");
+            let message = format!("{count} {what} were left out");
             source.problem(ReadStatus::Partial, Place::whole(id), message);
         }
     }

@@ -13,7 +13,7 @@ pub(super) struct Names {
     bound: usize,
     /// Count and first message by name as spelled.
     pub(super) known: BTreeMap<String, (u64, Point)>,
-    /// Messages whose name found no room.
+    /// Messages whose name is beyond the bound.
     pub(super) refused: u64,
 }
 

@@ -5,7 +5,7 @@ use crate::world::bag::Part;
 
 use super::topic::last_segment;
 
-/// Bound on the files that are told apart.
+/// Bound on the files that are kept apart.
 const MAX_PARTS: usize = 10_000;
 
 /// The files met so far; none where the recording is one file.
@@ -17,7 +17,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// What follows stands in this file.
+    /// What follows is in this file.
     pub(super) fn start(&mut self, name: &str) {
         if self.kept.len() >= MAX_PARTS {
             self.refused += 1;

@@ -2,7 +2,7 @@
 
 use crate::source::MessageRef;
 
-/// Index, stamp and log time of a message, and the transform in it where one is meant. Small and `Copy`, so that every
+/// Index, stamp and log time of a message, and the index of a transform in it, if any. Small and `Copy`, so that every
 /// message can have one; it becomes a [`MessageRef`] only where it is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Point {

@@ -6,8 +6,8 @@ use crate::world::motion::{ROW_NS, Series};
 
 use super::point::Point;
 
-/// A silence longer than this ends a stretch, nanoseconds: satellite receivers speak once a second, filters pause for a
-/// second or two.
+/// A gap longer than this ends a stretch, nanoseconds: GNSS receivers publish once a second, filters pause for a second or
+/// two.
 const MAX_GAP_NS: i64 = 5_000_000_000;
 /// A stamp that falls back by more than this ends a stretch, nanoseconds.
 const RESTART_NS: i64 = 1_000_000_000;
@@ -15,7 +15,7 @@ const RESTART_NS: i64 = 1_000_000_000;
 /// How many rows a stream may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Room {
-    /// Rows of a block: what is left out is left out block by block.
+    /// Rows of a block: rows are left out in whole blocks.
     block: usize,
     /// Blocks.
     blocks: usize,
@@ -57,7 +57,7 @@ pub(super) struct Rows<const N: usize, const Q: usize> {
     /// Whether a row is no mean: later messages only fill in what earlier ones left NaN.
     fills: bool,
     count: u64,
-    /// The messages of the row that is being made.
+    /// The messages of the current row.
     open: Option<Open<N>>,
     stretch: u32,
     /// Every `stride`-th block is kept.
@@ -97,8 +97,8 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
         }
     }
 
-    /// Rows that are no means: messages that follow each other closely say different things, and a row is what they say
-    /// together.
+    /// Rows that are no means: messages that follow each other closely hold different fields, and a row combines
+    /// them.
     pub(super) fn filled(room: Room) -> Self {
         Self {
             fills: true,
@@ -125,7 +125,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
             if !(-RESTART_NS..=MAX_GAP_NS).contains(&stamp) || log > MAX_GAP_NS {
                 self.seam();
             } else {
-                // By the log clock where the stamps stand still.
+                // By the log clock where the stamps do not advance.
                 let [since, by_log] = [
                     sample.stamp_ns.saturating_sub(open.first.stamp_ns),
                     sample.log_ns.saturating_sub(open.first.log_ns),
@@ -145,7 +145,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
         self.open = Some(Open::new(sample));
     }
 
-    /// Ends the row that is being made.
+    /// Ends the current row.
     fn close(&mut self) {
         let Some(open) = self.open.take() else { return };
         let number = self.made / self.room.block as u64;
@@ -171,7 +171,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
         }
     }
 
-    /// The rows, each made into what it means; `None` where there were no messages.
+    /// The rows, each converted to its type; `None` where there were no messages.
     pub(super) fn finish<T>(mut self, row: impl Fn(Sample<N>) -> T) -> Option<Series<T>> {
         self.close();
         let mut stretches: Vec<Vec<T>> = Vec::new();
@@ -331,7 +331,7 @@ mod tests {
             rows.push(at(tick * 100), [0.0; 4]);
         }
         let stretches = stretches(rows);
-        // Blocks of a second: of the ten, every fourth is left.
+        // Blocks of a second: of the ten, every fourth remains.
         let first: Vec<i64> = stretches.iter().map(|stretch| stretch[0].0).collect();
         assert_eq!(first, [0, 4_000, 8_000]);
         assert!(stretches.iter().all(|stretch| stretch.len() == 10));

@@ -1,4 +1,4 @@
-//! Header stamps of a topic or an edge against the log clock.
+//! Header stamps of a topic or an edge, compared with the log clock.
 
 use std::cmp::Ordering;
 
@@ -52,7 +52,7 @@ impl Stamps {
         }
     }
 
-    /// Takes in one stamp; points without one are passed over.
+    /// Takes in one stamp; points without one are skipped.
     pub(super) fn push(&mut self, point: Point) {
         let Some(stamp) = point.stamp_ns else { return };
         self.count += 1;

@@ -33,7 +33,7 @@ pub(super) struct Tf {
     edges: Vec<EdgeState>,
     edge_of: HashMap<(usize, NameId, NameId), usize>,
     parents: HashMap<(usize, NameId), Parents>,
-    /// Transforms whose edge found no room.
+    /// Transforms whose edge is beyond the bound.
     pub(super) refused: u64,
 }
 
@@ -53,7 +53,7 @@ struct Parents {
 }
 
 impl Tf {
-    /// Makes a topic known as one with TF messages, under its number.
+    /// Registers a topic with TF messages under its number.
     pub(super) fn topic(&mut self, number: usize, name: &str) {
         let last = last_segment(name);
         let scope = match last {
@@ -112,7 +112,7 @@ impl Tf {
         }
     }
 
-    /// A transform with sound numbers: who is the child's parent now? Names that tf2 drops make nobody a parent.
+    /// Takes in the parent of a transform with valid numbers. Names that tf2 drops make no parent.
     fn note_parent(&mut self, topic: usize, point: Point, parent: NameId, child: NameId) {
         let (parent, child) = (self.names.canonical(parent), self.names.canonical(child));
         let Some(scope) = self.topics.get(&topic).map(|topic| topic.scope) else {
@@ -226,7 +226,7 @@ impl Names {
         Some(id)
     }
 
-    /// The id of a name that stands for itself, for now.
+    /// The id of a name that is its own canonical form, for now.
     fn plain(&mut self, text: &str) -> NameId {
         let next = NameId::try_from(self.names.len()).unwrap_or(NameId::MAX);
         let id = *self.ids.entry(text.to_owned()).or_insert(next);

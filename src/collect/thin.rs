@@ -17,7 +17,7 @@ pub(super) struct Share {
     pub(super) poses: usize,
     /// Steps between poses.
     pub(super) moves: usize,
-    /// The largest of them, of each kind.
+    /// The largest of these steps, of each kind.
     pub(super) largest: usize,
     /// Different covariance matrices at first, and twice as many later ones.
     pub(super) matrices: usize,
@@ -166,7 +166,7 @@ impl<T> Reservoir<T> {
         }
     }
 
-    /// The values kept: in order while all are, in no order that means anything later.
+    /// The values kept: in order while all are kept, in arbitrary order later.
     pub(super) fn finish(self) -> Vec<T> {
         self.kept
     }

@@ -36,20 +36,20 @@ pub(super) struct Topic {
     written: Written,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
-    /// Whether rules ask for what stands in such messages.
+    /// Whether rules need the content of such messages.
     pub(super) is_asked_for: bool,
     /// Whether a definition is all that is missing.
     pub(super) lacks_definition: bool,
-    /// What is left unread beside the headers.
+    /// What stays unread besides the headers.
     pub(super) note: Option<String>,
     malformed: u64,
     first_malformed: Option<(Point, String)>,
     frames: Names,
     children: Names,
     stamps: Stamps,
-    /// What the messages say beyond their header.
+    /// The content of the messages beyond their header.
     pub(super) contents: Contents,
-    /// What stands inside them.
+    /// The standard types inside of them.
     pub(super) members: Members,
 }
 
@@ -149,7 +149,7 @@ impl Topic {
         self.first_malformed.get_or_insert((point, error.0));
     }
 
-    /// Names that found no room.
+    /// Names beyond the bound.
     pub(super) fn refused_names(&self) -> u64 {
         self.frames.refused + self.children.refused
     }

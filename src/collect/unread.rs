@@ -1,4 +1,4 @@
-//! What stays unread of a recording's messages, said once for each type.
+//! Messages of a recording that stay unread, reported once for each type.
 
 use std::collections::BTreeMap;
 
@@ -7,20 +7,20 @@ use crate::source::{Place, ReadStatus, Source};
 use super::MAX_PROBLEMS;
 use super::topic::Topic;
 
-/// What would make the messages of a topic readable, where something of the user's would.
+/// What the user can provide to make the messages of a topic readable, if anything.
 pub(super) fn help(topic: &Topic) -> Option<&'static str> {
     topic
         .lacks_definition
-        .then_some("give the folder of the package that defines it with --msg-path")
+        .then_some("pass the folder of the package that defines it with --msg-path")
 }
 
-/// Says which types stay unread, with the count of their messages and why. A recording whose only type stays unread
-/// is spoken of as a whole elsewhere.
+/// Reports the types that stay unread, with the count of their messages and the reason. A recording whose only type stays unread is
+/// reported as a whole elsewhere.
 pub(super) fn say(topics: &[Topic], source: &mut Source) {
     let mut types: BTreeMap<(&str, &str), (u64, ReadStatus, Option<&str>)> = BTreeMap::new();
     let spoken = || topics.iter().filter(|topic| topic.count > 0);
     for topic in spoken() {
-        // An unknown type says nothing about the recording as a whole; a standard one that is not read, or is not as published, does.
+        // An unknown type does not make the recording incomplete; a standard one that is not read, or not as published, does.
         let (why, status) = match (topic.unread(), &topic.note) {
             (Some(why), _) if topic.is_asked_for => (why, ReadStatus::Partial),
             (Some(why), _) => (why, ReadStatus::Read),
@@ -44,7 +44,7 @@ pub(super) fn say(topics: &[Topic], source: &mut Source) {
         source.problem_with_help(status, Place::whole(id), message, help.map(str::to_owned));
     }
     if left_out > 0 {
-        let message = format!("messages of {left_out} more types could not be looked into");
+        let message = format!("messages of {left_out} more types could not be decoded");
         source.problem(ReadStatus::Read, Place::whole(id), message);
     }
 }

@@ -1,12 +1,12 @@
-//! Who wrote what, where the format knows.
+//! The writers of messages, where the format records them.
 //!
-//! Owns the names of writers; counts hold their numbers, so that no message costs a text.
+//! Owns the names of writers; counts hold their numbers, so that no message needs a string.
 
 use std::collections::BTreeMap;
 
-/// Bound on the writers of a recording that are told apart.
+/// Bound on the writers of a recording that are kept apart.
 const MAX_WRITERS: usize = 10_000;
-/// Bound on the writers of one topic or edge that are told apart.
+/// Bound on the writers of one topic or edge that are kept apart.
 const MAX_WRITERS_OF_ONE: usize = 64;
 
 /// A writer's number.

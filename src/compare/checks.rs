@@ -1,4 +1,4 @@
-//! What the rules say of two platforms: which checks came out otherwise, and which findings only one has.
+//! The outcomes of rules for two platforms: which checks have another outcome, and which findings only one has.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,7 +23,7 @@ pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
         let (was, is) = (findings(a, first), findings(b, second));
         let outcomes = [first, second].map(|row| row.map(|row| row.outcome));
         let is_otherwise = match outcomes {
-            // Of what only one has, findings alone count.
+            // Where only one side has the subject, only findings count.
             [Some(_), Some(_)] => (was_judged || is_judged) && outcomes[0] != outcomes[1],
             _ => false,
         };
@@ -31,17 +31,17 @@ pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
             continue;
         }
         let Some(row) = second.or(first) else { continue };
-        let word = |outcome: Option<Outcome>| outcome.map_or("not there", Outcome::word);
+        let word = |outcome: Option<Outcome>| outcome.map_or("absent", Outcome::word);
         let words = match outcomes {
-            [was, is] if was == is => format!("{} otherwise than before", word(is)),
-            [was, is] => format!("{}, and was {}", word(is), word(was)),
+            [was, is] if was == is => format!("{} with other findings than before", word(is)),
+            [was, is] => format!("{} (was {})", word(is), word(was)),
         };
         let mut change = Change::new(
             Kind::Check,
             format!("{} {}", row.rule, row.name),
             format!("{} on {}: {words}", row.rule, key.1),
         );
-        // What came, else what went.
+        // A new finding, else one that is gone.
         let came: Vec<&&Finding> = is.iter().filter(|one| !kinds(&was).contains(&kind(one))).collect();
         let said = came.first().copied().or_else(|| is.first()).or_else(|| was.first());
         change.explanation = said
@@ -59,7 +59,7 @@ fn findings<'r>(run: &'r Run, row: Option<&Row>) -> Vec<&'r Finding> {
     run.verdict.open().filter(of).collect()
 }
 
-/// What makes a finding another one: how much it counts, and the relation that it names.
+/// What distinguishes findings: severity and relation.
 type FindingKind<'f> = (Severity, Option<&'f str>);
 
 fn kind(finding: &Finding) -> FindingKind<'_> {
@@ -76,8 +76,8 @@ fn judged(row: &Row) -> bool {
     row.outcome.is_judged()
 }
 
-/// The rows by what they are about. The two have other files: a subject is known without their paths. Of rows that are then alike, the
-/// worst counts.
+/// The rows by rule and subject. The two sides have different files: paths are removed from the subjects. Of rows that are then equal,
+/// the worst counts.
 fn rows(run: &Run) -> BTreeMap<Key, &Row> {
     let mut paths: Vec<&str> = run.sources.iter().map(|source| source.path.as_str()).collect();
     paths.sort_by_key(|path| std::cmp::Reverse(path.len()));

@@ -1,4 +1,4 @@
-//! Topics of two recordings: their types and frames, how far their stamps are from the clock of the recorder, and how often they come.
+//! Topics of two recordings: their types and frames, the offset of their stamps from the log clock, and their rates.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
@@ -12,11 +12,11 @@ use crate::world::bag::TopicEvidence;
 
 use super::{Change, Comparison, Kind};
 
-/// Transport and load make as much.
+/// Variation by transport and load, seconds.
 const SAME_S: f64 = 0.1;
-/// Share by which a rate varies of itself.
+/// Share by which a rate varies without any change.
 const SAME_RATE: f64 = 0.2;
-/// Of fewer messages, and of shorter recordings, no rate is told.
+/// Fewer messages, or shorter recordings, give no rate.
 const MIN_MESSAGES: f64 = 10.0;
 /// Seconds.
 const MIN_S: f64 = 5.0;
@@ -82,11 +82,11 @@ fn topics(run: &Run) -> BTreeMap<&str, Topic<'_>> {
 fn told(name: &str, first: &TopicEvidence, second: &TopicEvidence, out: &mut Comparison) {
     let mut changed = |what: &str, before: String, after: String| {
         if before != after {
-            let message = format!("{name}: {what} {after}, and was {before}");
+            let message = format!("{name}: {what} {after} (was {before})");
             out.changes.push(Change::new(Kind::Convention, name, message));
         }
     };
-    changed("its type is", first.message_type.clone(), second.message_type.clone());
+    changed("type is", first.message_type.clone(), second.message_type.clone());
     let frames = |topic: &TopicEvidence, child: bool| {
         let frames = if child {
             &topic.child_frames
@@ -101,8 +101,8 @@ fn told(name: &str, first: &TopicEvidence, second: &TopicEvidence, out: &mut Com
             names.join(", ")
         }
     };
-    changed("its frame is", frames(first, false), frames(second, false));
-    changed("its child frame is", frames(first, true), frames(second, true));
+    changed("frame is", frames(first, false), frames(second, false));
+    changed("child frame is", frames(first, true), frames(second, true));
 }
 
 fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
@@ -121,11 +121,11 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
         let mut change = Change::new(
             Kind::Clock,
             name,
-            format!("{name}: its stamps are {after:+.3} s off the log clock, and were {before:+.3} s"),
+            format!("{name}: stamps are {after:+.3} s from the log clock (were {before:+.3} s)"),
         );
         let day_s = second.first_log_ns.map_or(0.0, |ns| ns as f64 / 1e9);
         change.explanation = offset_words(after - before, day_s);
-        change.measured = vec![Measured::new("stamps moved by", after - before, "s").limit(SAME_S)];
+        change.measured = vec![Measured::new("change of the stamp offset", after - before, "s").limit(SAME_S)];
         out.changes.push(change);
     }
     if let (Some(before), Some(after)) = (first.rate_hz(), second.rate_hz())
@@ -134,14 +134,14 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
         let mut change = Change::new(
             Kind::Clock,
             name,
-            format!("{name}: it comes at {after:.2} Hz, and came at {before:.2} Hz"),
+            format!("{name}: rate is {after:.2} Hz (was {before:.2} Hz)"),
         );
-        change.measured = vec![Measured::new("rate against before", after / before, "1").limit(1.0 + SAME_RATE)];
+        change.measured = vec![Measured::new("rate relative to before", after / before, "1").limit(1.0 + SAME_RATE)];
         out.changes.push(change);
     }
 }
 
-/// Differences of time scales on a day, and of time zones.
+/// Known offsets between time scales on a day, and between time zones.
 fn offset_words(seconds: f64, day_unix_s: f64) -> String {
     let size = seconds.abs();
     let near = |value: f64| (size - value).abs() < 0.5;
@@ -150,13 +150,13 @@ fn offset_words(seconds: f64, day_unix_s: f64) -> String {
         (leap.gps_minus_utc_s(day_unix_s), leap.tai_minus_utc_s(day_unix_s))
     };
     if near(gps_s) {
-        "GPS time against UTC differs by that much".to_owned()
+        "matches the offset between GPS time and UTC".to_owned()
     } else if near(tai_s) {
-        "TAI against UTC differs by that much".to_owned()
+        "matches the offset between TAI and UTC".to_owned()
     } else if near(tai_s - gps_s) {
-        "TAI against GPS time differs by that much".to_owned()
+        "matches the offset between TAI and GPS time".to_owned()
     } else if size > 1700.0 && (size % 900.0 < 2.0 || size % 900.0 > 898.0) && size < 51_000.0 {
-        "a time zone".to_owned()
+        "matches the offset of a time zone".to_owned()
     } else {
         String::new()
     }

@@ -1,7 +1,7 @@
-//! Two platforms, or two recordings of one, held against each other: which transforms, conventions and clocks changed, by how much,
-//! and what explains it.
+//! Two platforms, or two recordings of one, compared with each other: which transforms, conventions and clocks changed, by how much, and
+//! what explains it.
 //!
-//! Pure: two runs in, changes out. Owns what counts as a change. Must not word a report; what is judged of either alone is the rules' matter.
+//! Pure: two runs in, changes out. Owns what counts as a change. Must not lay out a report; the rules judge either alone.
 
 mod checks;
 mod clocks;
@@ -14,15 +14,15 @@ use crate::verdict::Measured;
 /// What a change is about. In the order of reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// Where frames are, and which there are.
+    /// Poses of frames, and which frames there are.
     Transform,
-    /// Where the origin of a map lies on the Earth.
+    /// Where the origin of a map is on the Earth.
     Origin,
-    /// What topics are expressed in: types, frames.
+    /// Types and frames of topics.
     Convention,
-    /// Stamps against the clock of the recorder, rates.
+    /// Stamps compared with the log clock, rates.
     Clock,
-    /// What the rules say.
+    /// Outcomes of rules.
     Check,
 }
 
@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// One thing that is otherwise in the second.
+/// One difference of the second from the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// What it is about.
@@ -54,7 +54,7 @@ pub struct Change {
     pub relation: Option<&'static str>,
     /// By how much.
     pub measured: Vec<Measured>,
-    /// Where it stands in the first, and in the second.
+    /// Where it is stated in the first, and in the second.
     pub stated: [Vec<String>; 2],
 }
 
@@ -72,7 +72,7 @@ impl Change {
     }
 }
 
-/// What was compared, and what is otherwise.
+/// What was compared, and what differs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
     /// The changes, by kind and subject.
@@ -81,7 +81,7 @@ pub struct Comparison {
     pub transforms: usize,
     /// Topics that both have.
     pub topics: usize,
-    /// Checks that both came to a judgement in.
+    /// Checks that were judged in both.
     pub checks: usize,
 }
 
@@ -92,7 +92,7 @@ impl Comparison {
     }
 }
 
-/// What is otherwise in `b`, taken from `a`.
+/// The differences of `b` from `a`.
 pub fn compare(a: &Run, b: &Run) -> Comparison {
     let mut comparison = Comparison::default();
     transforms::compare(a, b, &mut comparison);

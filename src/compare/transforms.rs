@@ -1,4 +1,4 @@
-//! Transforms of two platforms: which are gone, which are new, which are otherwise, and whether one frame moved or all that hang on another.
+//! Transforms of two platforms: which are gone, new or changed, and whether one frame moved or all children of another.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,26 +15,26 @@ use crate::world::{ClaimKind, EarthOrigin, FrameId, World};
 
 use super::{Change, Comparison, Kind, place_words};
 
-/// Less is what printing and reading leave (TREE11 warns from here).
+/// Less is rounding by printing and reading (TREE11 warns from here).
 const SAME_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// Metres.
 const SAME_M: f64 = 0.001;
 
-/// Frames that a map hangs on.
+/// Names of map frames.
 const MAPS: [&str; 6] = ["map", "world", "earth", "utm", "enu", "local_enu"];
 
 type Pair = (FrameId, FrameId);
 
-/// A rigid transform that somebody states.
+/// A rigid transform that a source states.
 #[derive(Clone)]
 struct Stated {
-    /// Joint, topic or key: what it is known by in the other platform.
+    /// Joint, topic or key: what identifies it in the other platform.
     label: String,
     /// `parent_from_child`; the identity in what is not stated.
     pose: Isometry3<f64>,
     /// Whether a rotation and a translation are stated.
     has: [bool; 2],
-    /// Where it stands, in words.
+    /// Where it is stated, in words.
     who: String,
 }
 
@@ -57,8 +57,8 @@ impl Held {
     }
 }
 
-/// What is stated of one pair of frames before and after: statements with one label are held against each other, else the first ones.
-/// Those that say the same are one.
+/// The statements of one pair of frames before and after: those with the same label are compared with each other, else the first ones.
+/// Equal ones are merged.
 fn held(before: &[Stated], after: &[Stated]) -> Vec<Held> {
     let labels: BTreeSet<&str> = before.iter().chain(after).map(|one| one.label.as_str()).collect();
     let of = |all: &'_ [Stated], label: &str| all.iter().position(|one| one.label == label).unwrap_or(0);
@@ -193,13 +193,13 @@ fn is_map(frame: &FrameId) -> bool {
 
 fn measured(angle_rad: f64, distance_m: f64) -> Vec<Measured> {
     vec![
-        Measured::new("turned by", angle_rad.to_degrees(), "deg").limit(SAME_RAD.to_degrees()),
+        Measured::new("rotated by", angle_rad.to_degrees(), "deg").limit(SAME_RAD.to_degrees()),
         Measured::new("moved by", distance_m, "m").limit(SAME_M),
     ]
 }
 
 fn amount(angle_rad: f64, distance_m: f64) -> String {
-    let turned = format!("turned by {:.3} deg", angle_rad.to_degrees());
+    let turned = format!("rotated by {:.3} deg", angle_rad.to_degrees());
     match (angle_rad > SAME_RAD, distance_m > SAME_M) {
         (true, true) => format!("{turned} and moved by {distance_m:.4} m"),
         (true, false) => turned,
@@ -207,7 +207,7 @@ fn amount(angle_rad: f64, distance_m: f64) -> String {
     }
 }
 
-/// All that hangs on a frame moved alike: it is that frame which is otherwise.
+/// All children of a frame moved equally: that frame itself moved.
 fn parent_moved(parent: &FrameId, children: Vec<(&Pair, Held)>, by: &Isometry3<f64>) -> Change {
     let (angle, distance) = (by.rotation.angle(), by.translation.vector.norm());
     let names: Vec<String> = children.iter().map(|((_, child), _)| format!("`{child}`")).collect();
@@ -220,12 +220,12 @@ fn parent_moved(parent: &FrameId, children: Vec<(&Pair, Held)>, by: &Isometry3<f
         Kind::Transform,
         format!("`{parent}`"),
         format!(
-            "all {} frames on `{parent}` are {} alike",
+            "all {} frames on `{parent}` are equally {}",
             children.len(),
             amount(angle, distance)
         ),
     );
-    change.explanation = format!("{what} moved, and not {}", names.join(", "));
+    change.explanation = format!("{what} moved, not {}", names.join(", "));
     change.measured = measured(angle, distance);
     for (_, held) in children {
         for (all, who) in change.stated.iter_mut().zip(held.who) {
@@ -246,9 +246,9 @@ fn child_moved((parent, child): &Pair, held: Held) -> Change {
     change.stated = held.who;
     explain(&mut change, &found, || {
         if is_map(parent) {
-            format!("the map origin moved, or `{child}` on it")
+            format!("the map origin moved, or `{child}` moved on the map")
         } else {
-            format!("`{child}` is mounted otherwise, or was calibrated again: no convention error explains it")
+            format!("`{child}` was probably remounted or recalibrated: no convention error explains the change")
         }
     });
     change
@@ -267,12 +267,12 @@ fn explain(change: &mut Change, found: &Classification, otherwise: impl FnOnce()
             change.relation = Some(relation.word());
             format!("{}: {}{also}", relation.word(), relation.describe())
         }
-        None if found.best == Some(Relation::Equal) => "a small correction, as a new calibration gives".to_owned(),
+        None if found.best == Some(Relation::Equal) => "a small correction, probably a new calibration".to_owned(),
         None => otherwise(),
     };
 }
 
-/// Frames that only one has, and frames that hang on another parent or became moving or rigid.
+/// Frames that only one has, and frames that have another parent or became moving or rigid.
 fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
     let listed = |frames: Vec<&FrameId>| {
         frames
@@ -287,7 +287,7 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
             let below = if parents.is_empty() {
                 String::new()
             } else {
-                format!(", on {parents}")
+                format!(" (parent {parents})")
             };
             let message = format!("`{frame}` {words}{below}");
             out.changes
@@ -299,7 +299,7 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
         if let (Some(before), Some(after)) = (before, after) {
             if before != after {
                 let message = format!(
-                    "`{frame}` hangs on {} instead of {}",
+                    "`{frame}` has the parent {} (was {})",
                     listed(after.iter().collect()),
                     listed(before.iter().collect())
                 );
@@ -311,7 +311,7 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
                 } else {
                     ("rigid", "moving")
                 };
-                let message = format!("`{frame}` is {after}, and was {before}");
+                let message = format!("`{frame}` is {after} (was {before})");
                 out.changes
                     .push(Change::new(Kind::Transform, format!("`{frame}`"), message));
             }
@@ -319,7 +319,7 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
     }
 }
 
-/// What files beside the tree state: what is otherwise, and what only one has.
+/// Statements of files besides the tree: those that changed, and those that only one has.
 fn files(a: &Side, b: &Side, out: &mut Comparison) {
     let (before, after) = (statements(a), statements(b));
     for (first, second, is_gone) in [(&before, &after, true), (&after, &before, false)] {
@@ -346,7 +346,7 @@ fn files(a: &Side, b: &Side, out: &mut Comparison) {
                 format!("{subject} in files is {}", amount(found.angle_rad, found.distance_m)),
             );
             change.measured = measured(found.angle_rad, found.distance_m);
-            let otherwise = || "calibrated again, or mounted otherwise: no convention error explains it".to_owned();
+            let otherwise = || "probably recalibrated or remounted: no convention error explains the change".to_owned();
             if held.is_whole {
                 explain(&mut change, &found, otherwise);
             }
@@ -356,7 +356,7 @@ fn files(a: &Side, b: &Side, out: &mut Comparison) {
     }
 }
 
-/// What files state, by the frames that it is about, in words; where a file does not say, by the key.
+/// The statements of files, by their frames in words; where a file names none, by the key.
 fn statements(side: &Side) -> BTreeMap<String, Vec<Stated>> {
     let mut found: BTreeMap<String, Vec<Stated>> = BTreeMap::new();
     let mut told: BTreeSet<&Place> = BTreeSet::new();
@@ -433,7 +433,7 @@ fn origins(a: &Side, b: &Side, out: &mut Comparison) {
     }
 }
 
-/// The trees of a run, put together.
+/// The trees of a run, combined.
 struct Tree<'r> {
     worlds: Vec<&'r World>,
     frames: BTreeSet<FrameId>,
@@ -499,7 +499,7 @@ impl<'r> Tree<'r> {
         }
     }
 
-    /// What is stated of a pair, or follows from a chain of rigid transforms.
+    /// The statements of a pair, or what follows from a chain of rigid transforms.
     fn stated(&self, (parent, child): &Pair) -> Option<Cow<'_, [Stated]>> {
         if let Some(stated) = self.rigid.get(&(parent.clone(), child.clone())) {
             return Some(Cow::Borrowed(stated));

@@ -29,7 +29,7 @@ impl Reader<'_> {
         let row = row.ok_or_else(|| {
             let names = tables.dataset_names().join(", ");
             let what = format!(
-                "`dataset` is one of {names}, not `{}`",
+                "`dataset` must be one of {names}, not `{}`",
                 node.text().unwrap_or("a list or a mapping")
             );
             self.error(node.span.start, &what)
@@ -44,7 +44,7 @@ impl Reader<'_> {
         let items = list.items().ok_or_else(|| {
             self.error(
                 list.span.start,
-                "`conventions` is a list: `- topic: /imu` on one line, `world: NED` below it",
+                "`conventions` must be a list: `- topic: /imu` on one line, `world: NED` below it",
             )
         })?;
         items.iter().map(|item| self.declaration(item)).collect()
@@ -60,7 +60,7 @@ impl Reader<'_> {
         if scope.topic.is_none() && scope.frame.is_none() && scope.file.is_none() {
             return Err(self.error(
                 item.span.start,
-                "this is for nothing: `topic`, `frame` or `file` is missing",
+                "this applies to nothing: `topic`, `frame` or `file` is missing",
             ));
         }
         let mut convention = Convention {

@@ -1,4 +1,4 @@
-//! The key `extends` of the configuration: profiles that come with the tool, and other files.
+//! The key `extends` of the configuration: built-in profiles, and other files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use crate::read::calibration::document::Node;
 use super::reader::Reader;
 use super::{Config, ConfigError};
 
-/// The profiles that come with the tool, by name.
+/// The built-in profiles, by name.
 pub const PROFILES: &[(&str, &str)] = &[
     ("ci", include_str!("../../rules/profiles/ci.yaml")),
     ("pre-survey", include_str!("../../rules/profiles/pre-survey.yaml")),
@@ -18,11 +18,11 @@ pub const PROFILES: &[(&str, &str)] = &[
     ),
 ];
 
-/// So many files may extend one another.
+/// Maximum depth of files that extend one another.
 const MAX_DEPTH: usize = 16;
 
 impl Config {
-    /// Adds a profile behind what is known.
+    /// Appends a profile.
     pub(super) fn add_profile(&mut self, name: &str) -> Result<(), ConfigError> {
         let Some((_, text)) = PROFILES.iter().find(|(known, _)| *known == name) else {
             return Err(ConfigError(unknown(name)));
@@ -35,7 +35,7 @@ impl Config {
         )
     }
 
-    /// Adds what a document extends.
+    /// Appends what a document extends.
     pub(super) fn extend(
         &mut self,
         reader: &Reader<'_>,
@@ -48,7 +48,7 @@ impl Config {
         for node in names {
             let at = node.span.start;
             let name = node.text().filter(|text| !text.is_empty());
-            let name = name.ok_or_else(|| reader.error(at, "`extends` is the name of a profile, or a file"))?;
+            let name = name.ok_or_else(|| reader.error(at, "`extends` must be the name of a profile, or a file"))?;
             if PROFILES.iter().any(|(known, _)| *known == name) {
                 self.add_profile(name)?;
                 continue;
@@ -61,7 +61,7 @@ impl Config {
             let whole = std::fs::canonicalize(&path)
                 .map_err(|error| reader.error(at, &format!("`{name}` cannot be read: {error}")))?;
             if !whole.is_file() {
-                return Err(reader.error(at, &format!("`{name}` is no file")));
+                return Err(reader.error(at, &format!("`{name}` is not a file")));
             }
             if open.contains(&whole) || open.len() >= MAX_DEPTH {
                 return Err(reader.error(at, &format!("`{name}` extends itself")));
@@ -72,11 +72,11 @@ impl Config {
     }
 }
 
-/// Why a file that a configuration names is not read: it lies outside of the allowed folders.
+/// Why a file that a configuration names is not read: it is outside of the allowed folders.
 pub(super) fn guard(allowed: Option<&AllowedFolders>, path: &Path, name: &str) -> Result<(), String> {
     match allowed {
         Some(allowed) if !allowed.holds(path) => Err(format!(
-            "`{name}` lies outside of the repository, and was not read; --outside allows it, or --config names this configuration"
+            "`{name}` is outside of the repository and was not read; allow it with --outside, or pass this configuration with --config"
         )),
         _ => Ok(()),
     }
@@ -85,7 +85,7 @@ pub(super) fn guard(allowed: Option<&AllowedFolders>, path: &Path, name: &str) -
 fn unknown(name: &str) -> String {
     let names: Vec<&str> = PROFILES.iter().map(|(name, _)| *name).collect();
     format!(
-        "there is no profile `{name}`; profiles: {}; a file has a `/` or a `.` in its name",
+        "no profile is called `{name}`; profiles: {}; the name of a file must contain a `/` or a `.`",
         names.join(", ")
     )
 }
@@ -145,7 +145,7 @@ mod tests {
             .unwrap_err()
             .0;
         assert!(
-            error.starts_with("c.yaml:1:10: there is no profile `cii`; profiles: ci, pre-survey"),
+            error.starts_with("c.yaml:1:10: no profile is called `cii`; profiles: ci, pre-survey"),
             "{error}"
         );
         let error = parse("c.yaml", "extends: ./none.yaml\n".to_owned(), folder.path())

@@ -1,4 +1,4 @@
-//! The keys `aliases` and `transforms` of the configuration: which frames of the platform the names and the numbers of files are about.
+//! The keys `aliases` and `transforms` of the configuration: the platform's frames for names and for transforms in files.
 
 use crate::read::calibration::document::Node;
 use crate::world::FrameId;
@@ -14,7 +14,7 @@ impl Reader<'_> {
             return Ok(Vec::new());
         };
         if !map.is_mapping() {
-            let what = "`aliases` has the platform's frames for keys, and behind each the names that files use: `velodyne: [lidar, velo]`";
+            let what = "`aliases` must map each frame of the platform to the names that files use for it: `velodyne: [lidar, velo]`";
             return Err(self.error(map.span.start, what));
         }
         let mut aliases: Vec<Alias> = Vec::new();
@@ -25,10 +25,10 @@ impl Reader<'_> {
                 .map_or_else(|| vec![value], |items| items.iter().collect());
             for node in names {
                 let text = node.text().filter(|text| !text.is_empty());
-                let text = text.ok_or_else(|| self.error(node.span.start, "a name of a frame is expected"))?;
+                let text = text.ok_or_else(|| self.error(node.span.start, "expected the name of a frame"))?;
                 let name = FrameId::new(text).canonical();
                 if let Some(other) = aliases.iter().find(|other| other.name == name) {
-                    let what = format!("`{name}` already stands for `{}`", other.frame);
+                    let what = format!("`{name}` is already an alias of `{}`", other.frame);
                     return Err(self.error(node.span.start, &what));
                 }
                 aliases.push(Alias {
@@ -47,7 +47,7 @@ impl Reader<'_> {
         let Some(list) = root.get("transforms") else {
             return Ok(Vec::new());
         };
-        let what = "`transforms` is a list: `- {file: a.yaml, key: extrinsic, is: imu from lidar}`";
+        let what = "`transforms` must be a list: `- {file: a.yaml, key: extrinsic, is: imu from lidar}`";
         let items = list.items().ok_or_else(|| self.error(list.span.start, what))?;
         let one = |item: &Node| {
             self.keys(item, &["file", "key", "is"])?;
@@ -66,7 +66,7 @@ impl Reader<'_> {
                 }),
                 (None, _) => Err(self.error(
                     item.span.start,
-                    "`key` is missing: the key that the numbers stand under",
+                    "`key` is missing: the key of the transform in the file",
                 )),
                 (_, None) => Err(self.error(item.span.start, "`is: TARGET from SOURCE` is missing")),
             }
@@ -103,8 +103,8 @@ mod tests {
         let told = conventions.transform_of("robot/fast.yaml", "a/extrinsic").unwrap();
         assert_eq!((told.0.as_str(), told.1.as_str()), ("imu", "lidar"));
         assert!(conventions.transform_of("robot/fast.yaml", "b/extrinsic").is_none());
-        assert!(fault("aliases: [a]\n").contains("has the platform's frames for keys"));
-        assert!(fault("aliases: {a: [c], b: [c]}\n").contains("`c` already stands for `a`"));
+        assert!(fault("aliases: [a]\n").contains("must map each frame of the platform"));
+        assert!(fault("aliases: {a: [c], b: [c]}\n").contains("`c` is already an alias of `a`"));
         assert!(fault("transforms: [{key: a, is: b}]\n").contains("TARGET from SOURCE"));
         assert!(fault("transforms: [{is: b from c}]\n").contains("`key` is missing"));
     }

@@ -1,6 +1,6 @@
 //! The keys `fail-on`, `rules`, `limits`, `paths`, `waivers` and `require` of the configuration: what the user accepts and requires.
 //!
-//! Which rules there are is not known here: words that name them are kept with their place, and the engine holds them against the rules.
+//! Which rules exist is not known here: words that name rules are kept with their places, and the engine looks them up.
 
 use globset::GlobMatcher;
 
@@ -14,11 +14,11 @@ use crate::verdict::waiver::{Day, Waiver, WaiverKind};
 use super::ConfigError;
 use super::reader::Reader;
 
-/// What one layer asks for.
+/// The policy of one layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
     pub(super) fail_on: Option<FailOn>,
-    /// Words for rules, with their places in words.
+    /// Words for rules (codes, names, families), with their places in words.
     pub(super) select: Option<Vec<(String, String)>>,
     pub(super) ignore: Vec<(String, String)>,
     pub(super) named: Vec<(String, String)>,
@@ -29,7 +29,7 @@ pub(super) struct Asked {
     pub(super) share: Option<RequiredShare>,
 }
 
-/// A limit that is not that of the rule's page.
+/// A limit that differs from that of the rule's page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitOverride {
     /// Code or name of the rule.
@@ -38,9 +38,9 @@ pub struct LimitOverride {
     pub name: String,
     /// The number, in `unit`.
     pub value: f64,
-    /// The unit as it is written; empty where none is.
+    /// The unit as written; empty if there is none.
     pub unit: String,
-    /// Where that stands, in words.
+    /// Its place, in words.
     pub origin: String,
 }
 
@@ -58,7 +58,7 @@ struct Waived {
 }
 
 impl Asked {
-    /// What it says of findings by their files. A rule that is left out is off in these files.
+    /// Levels of findings by their files. An ignored rule is off in these files.
     pub(super) fn of_files(&self) -> Self {
         let off = self.ignore.iter().map(|(rule, origin)| Weight {
             rule: rule.clone(),
@@ -73,7 +73,7 @@ impl Asked {
         }
     }
 
-    /// The files that its parts are for.
+    /// The globs of files that its parts concern.
     pub(super) fn files(&mut self) -> impl Iterator<Item = &mut Option<GlobMatcher>> {
         let weights = self.weights.iter_mut().map(|weight| &mut weight.file);
         weights.chain(self.waivers.iter_mut().map(|waived| &mut waived.file))
@@ -162,33 +162,33 @@ impl Reader<'_> {
         Ok(asked)
     }
 
-    /// The items of a list; none where the key is not there.
+    /// The items of a list; none if the key is absent.
     fn list_of<'n>(&self, root: &'n Node, key: &str, example: &str) -> Result<&'n [Node], ConfigError> {
         let Some(node) = root.get(key) else { return Ok(&[]) };
-        let fault = || self.error(node.span.start, &format!("`{key}` is a list: {example}"));
+        let fault = || self.error(node.span.start, &format!("`{key}` must be a list: {example}"));
         node.items().ok_or_else(fault)
     }
 
-    /// A text under a key that must be there.
+    /// The text of a required key.
     fn required_text(&self, item: &Node, key: &str, what: &str) -> Result<String, ConfigError> {
         let Some(node) = item.get(key) else {
             return Err(self.error(item.span.start, &format!("`{key}` is missing: {what}")));
         };
         let text = node.text().map(str::trim).filter(|text| !text.is_empty());
-        let text = text.ok_or_else(|| self.error(node.span.start, &format!("`{key}` is {what}")))?;
+        let text = text.ok_or_else(|| self.error(node.span.start, &format!("`{key}` must be {what}")))?;
         Ok(text.to_owned())
     }
 
     /// A word for rules, kept with its place.
     fn rule_word(&self, node: &Node, named: &mut Vec<(String, String)>) -> Result<(String, String), ConfigError> {
         let text = node.text().map(str::trim).filter(|text| !text.is_empty());
-        let text = text.ok_or_else(|| self.error(node.span.start, "a rule is expected: a code, a name or a family"))?;
+        let text = text.ok_or_else(|| self.error(node.span.start, "expected a rule: a code, a name or a family"))?;
         let word = (text.to_owned(), self.origin(node, true));
         named.push(word.clone());
         Ok(word)
     }
 
-    /// The word under `rule`, which must be there.
+    /// The word of the required key `rule`.
     fn rule_of(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<String, ConfigError> {
         match item.get("rule") {
             Some(node) => Ok(self.rule_word(node, named)?.0),
@@ -206,13 +206,13 @@ impl Reader<'_> {
     fn severities(&self, node: &Node, file: Option<&GlobMatcher>, asked: &mut Asked) -> Result<(), ConfigError> {
         let Some(map) = node.get("severity") else { return Ok(()) };
         if !map.is_mapping() {
-            let what = "`severity` has rules for keys: `severity: {NAME02: error}`";
+            let what = "`severity` must map rules to severities: `severity: {NAME02: error}`";
             return Err(self.error(map.span.start, what));
         }
         for (key, _) in map.pairs() {
             let (rule, _) = self.rule_word(key, &mut asked.named)?;
             let level = self.word(map, &rule, SEVERITIES)?;
-            // Off everywhere: it is not asked at all.
+            // Off everywhere: the rule does not run.
             if level == Some(Level::Off) && file.is_none() {
                 asked.ignore.push((rule, self.origin(key, true)));
                 continue;
@@ -252,7 +252,7 @@ impl Reader<'_> {
     /// `limits: {CROSS02: {rotation_deg: 3 deg}}`.
     fn limits(&self, root: &Node, asked: &mut Asked) -> Result<(), ConfigError> {
         let Some(map) = root.get("limits") else { return Ok(()) };
-        let example = "`limits` has rules for keys, and behind each its limits: `CROSS02: {rotation_deg: 3 deg}`";
+        let example = "`limits` must map each rule to its limits: `CROSS02: {rotation_deg: 3 deg}`";
         if !map.is_mapping() {
             return Err(self.error(map.span.start, example));
         }
@@ -268,9 +268,8 @@ impl Reader<'_> {
                     .unwrap_or(text.len());
                 let (number, unit) = text.split_at(end);
                 let number = number.parse::<f64>().ok().filter(|number| number.is_finite());
-                let number = number.ok_or_else(|| {
-                    self.error(value.span.start, "a number with its unit is expected: `3 deg`, `8 cm`")
-                })?;
+                let number = number
+                    .ok_or_else(|| self.error(value.span.start, "expected a number with its unit: `3 deg`, `8 cm`"))?;
                 asked.limits.push(LimitOverride {
                     rule: rule.clone(),
                     name: name.text().unwrap_or_default().to_owned(),
@@ -286,17 +285,23 @@ impl Reader<'_> {
     fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Waived, ConfigError> {
         self.keys(item, &["rule", "subject", "file", "reason", "until", "by"])?;
         let rule = self.rule_of(item, named)?;
-        let reason = self.required_text(item, "reason", "why this is accepted, for whoever reads the report")?;
+        let reason = self.required_text(
+            item,
+            "reason",
+            "the reason why this is accepted, for readers of the report",
+        )?;
         let until = match item.get("until") {
             None => None,
             Some(node) => {
                 let day = node.text().and_then(Day::parse);
-                Some(day.ok_or_else(|| self.error(node.span.start, "`until` is the last day: `2027-01-31`"))?)
+                Some(
+                    day.ok_or_else(|| self.error(node.span.start, "`until` must be the last day, as in `2027-01-31`"))?,
+                )
             }
         };
         let by = item
             .get("by")
-            .map(|_| self.required_text(item, "by", "the name of who accepts this"));
+            .map(|_| self.required_text(item, "by", "the name of the person who accepts this"));
         Ok(Waived {
             rule,
             subject: self.glob(item, "subject")?,
@@ -309,12 +314,13 @@ impl Reader<'_> {
         })
     }
 
-    /// The share of the checks that apply which must have been made.
+    /// The share of the applicable checks that must be evaluated.
     fn share(&self, node: &Node) -> Result<RequiredShare, ConfigError> {
         let share = node.text().and_then(|text| text.trim().parse().ok());
         let share = share.filter(|share| (0.0..=1.0).contains(share));
         Ok(RequiredShare {
-            share: share.ok_or_else(|| self.error(node.span.start, "`share` is a number from 0 to 1: `share: 0.8`"))?,
+            share: share
+                .ok_or_else(|| self.error(node.span.start, "`share` must be a number from 0 to 1: `share: 0.8`"))?,
             origin: self.origin(node, false),
         })
     }
@@ -340,10 +346,10 @@ impl Reader<'_> {
             (Some(_), None) => Force::Lifted(self.required_text(
                 item,
                 "lifted",
-                "why it is not required, for whoever reads the report",
+                "the reason why it is not required, for readers of the report",
             )?),
             (Some(_), Some(_)) => {
-                let what = "`if` and `lifted` do not go together: what is lifted is not required at all";
+                let what = "`if` and `lifted` exclude each other: a lifted rule is not required at all";
                 return Err(self.error(item.span.start, what));
             }
         };
@@ -428,26 +434,26 @@ mod tests {
     fn faults_have_a_place() {
         assert_eq!(
             fault("waivers:\n  - {rule: CROSS02}\n"),
-            "c.yaml:2:5: `reason` is missing: why this is accepted, for whoever reads the report"
+            "c.yaml:2:5: `reason` is missing: the reason why this is accepted, for readers of the report"
         );
         assert!(
             fault("waivers:\n  - {rule: X, reason: y, until: 2027-02-30}\n")
-                .contains("c.yaml:2:33: `until` is the last day")
+                .contains("c.yaml:2:33: `until` must be the last day")
         );
-        assert!(fault("waivers: {}\n").contains("is a list"));
-        assert!(fault("fail-on: errors\n").contains("`fail-on` is one of error, warning, note, never"));
-        assert!(fault("rules: {severity: {X: fatal}}\n").contains("is one of off, note, warning, error"));
-        assert!(fault("limits: {X: {a: three}}\n").contains("a number with its unit is expected"));
-        assert!(fault("limits: {X: 3}\n").contains("`limits` has rules for keys"));
+        assert!(fault("waivers: {}\n").contains("must be a list"));
+        assert!(fault("fail-on: errors\n").contains("`fail-on` must be one of error, warning, note, never"));
+        assert!(fault("rules: {severity: {X: fatal}}\n").contains("must be one of off, note, warning, error"));
+        assert!(fault("limits: {X: {a: three}}\n").contains("expected a number with its unit"));
+        assert!(fault("limits: {X: 3}\n").contains("`limits` must map each rule"));
         assert!(fault("paths: [{file: a}]\n").contains("this changes nothing"));
         assert!(fault("require: [{subject: a}]\n").contains("`rule` is missing"));
-        assert!(fault("require: [{rule: a, if: maybe}]\n").contains("`if` is one of applicable"));
-        assert!(fault("require: [{rule: a, lifted: ''}]\n").contains("`lifted` is why"));
-        assert!(fault("require: [{rule: a, if: applicable, lifted: b}]\n").contains("do not go together"));
+        assert!(fault("require: [{rule: a, if: maybe}]\n").contains("`if` must be one of applicable"));
+        assert!(fault("require: [{rule: a, lifted: ''}]\n").contains("`lifted` must be the reason"));
+        assert!(fault("require: [{rule: a, if: applicable, lifted: b}]\n").contains("exclude each other"));
         for share in ["80", "-0.1", "most", "nan"] {
             let fault = fault(&format!("require: [{{share: {share}}}]\n"));
             assert_eq!(
-                fault, "c.yaml:1:19: `share` is a number from 0 to 1: `share: 0.8`",
+                fault, "c.yaml:1:19: `share` must be a number from 0 to 1: `share: 0.8`",
                 "{share}"
             );
         }

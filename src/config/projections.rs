@@ -1,4 +1,4 @@
-//! The key `projections` of the configuration: what programs take a range image, a grid or a panorama to be.
+//! The key `projections` of the configuration: the formulas by which programs build a range image, a grid or a panorama.
 //!
 //! ```yaml
 //! projections:
@@ -8,16 +8,16 @@
 //!       height: 64                # rows
 //!       fov_up_deg: 22.5          # elevation of the highest row
 //!       fov_down_deg: -22.5
-//!       azimuth: clockwise        # the way it grows with the column, from above; or counter_clockwise
-//!       seam: clamp               # of a point where the formula gives the width: none, clamp, wrap
-//!       beam_offset_mm: 15.806    # from the axis of rotation to where beams begin
+//!       azimuth: clockwise        # how it grows with the column, seen from above; or counter_clockwise
+//!       seam: clamp               # what happens to a point whose formula gives column `width`: none, clamp, wrap
+//!       beam_offset_mm: 15.806    # distance of the beams' origin from the axis of rotation
 //!   - topic: /bev
 //!     grid:
 //!       frame: base_link
 //!       resolution_m: 0.1
-//!       origin: [-50, -50]        # x, y, and a yaw in radians where it has one
-//!       cell: corner              # what of the first cell lies there; or centre
-//!       columns: +x               # where they go: +x, -x, +y, -y
+//!       origin: [-50, -50]        # x, y, and optionally a yaw in radians
+//!       cell: corner              # the point of the first cell that is at the origin; or centre
+//!       columns: +x               # direction in which they grow: +x, -x, +y, -y
 //!       rows: +y
 //!       ego_motion: compensated   # or raw
 //!       affine: [0.1, 0, -50, 0, 0.1, -50]   # x = a col + b row + c, y = d col + e row + f
@@ -70,7 +70,7 @@ impl Reader<'_> {
         let items = list.items().ok_or_else(|| {
             self.error(
                 list.span.start,
-                "`projections` is a list: `- topic: /points` on one line, `range_image: {...}` below it",
+                "`projections` must be a list: `- topic: /points` on one line, `range_image: {...}` below it",
             )
         })?;
         items.iter().map(|item| self.projection(item)).collect()
@@ -78,12 +78,12 @@ impl Reader<'_> {
 
     fn projection(&self, item: &Node) -> Result<Declared, ConfigError> {
         self.keys(item, &["topic", "range_image", "grid", "panorama"])?;
-        // Read for its faults; it is matched where topics are known.
+        // Read only for its errors; it is matched later, when topics are known.
         self.glob(item, "topic")?;
         let topic = item.get("topic").and_then(Node::text).map(str::to_owned);
         let mut forms = FORMS.iter().filter_map(|key| Some((*key, item.get(key)?)));
         let (Some((key, node)), None) = (forms.next(), forms.next()) else {
-            let what = "one of `range_image`, `grid` and `panorama` is expected";
+            let what = "expected one of `range_image`, `grid` and `panorama`";
             return Err(self.error(item.span.start, what));
         };
         let form = match key {
@@ -143,7 +143,7 @@ impl Reader<'_> {
     fn one(&self, value: &Node, key: &str) -> Result<f64, ConfigError> {
         let number = value.text().and_then(|text| text.parse::<f64>().ok());
         let number = number.filter(|number| number.is_finite());
-        number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a number")))
+        number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` must be a number")))
     }
 
     fn whole(&self, item: &Node, key: &str) -> Result<Option<u32>, ConfigError> {
@@ -151,7 +151,7 @@ impl Reader<'_> {
         let number = value.text().and_then(|text| text.parse::<u32>().ok());
         let number = number.filter(|number| *number > 0);
         let number =
-            number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a whole number over 0")))?;
+            number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` must be a whole number above 0")))?;
         Ok(Some(number))
     }
 
@@ -161,7 +161,7 @@ impl Reader<'_> {
         };
         let items = value.items().filter(|items| counts.contains(&items.len()));
         let counts: Vec<String> = counts.iter().map(ToString::to_string).collect();
-        let what = format!("`{key}` is a list of {} numbers", counts.join(" or "));
+        let what = format!("`{key}` must be a list of {} numbers", counts.join(" or "));
         let items = items.ok_or_else(|| self.error(value.span.start, &what))?;
         items.iter().map(|item| self.one(item, key)).collect()
     }
@@ -204,14 +204,16 @@ mod tests {
     #[test]
     fn faults_have_a_place() {
         let fault = |text: &str| parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0;
-        assert!(fault("projections: {}\n").contains("is a list"));
+        assert!(fault("projections: {}\n").contains("must be a list"));
         assert!(fault("projections:\n  - topic: /a\n").contains("one of `range_image`"));
         assert!(
-            fault("projections:\n  - grid: {rows: down}\n").contains("`rows` is one of +x, -x, +y, -y, not `down`")
+            fault("projections:\n  - grid: {rows: down}\n")
+                .contains("`rows` must be one of +x, -x, +y, -y, not `down`")
         );
         assert!(fault("projections:\n  - grid: {affine: [1, 2]}\n").contains("a list of 6 numbers"));
         assert!(
-            fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:26: `width` is a whole number")
+            fault("projections:\n  - range_image: {width: -4}\n")
+                .contains("c.yaml:2:26: `width` must be a whole number")
         );
         assert!(fault("projections:\n  - range_image: {fov: 3}\n").contains("unknown key `fov`"));
     }

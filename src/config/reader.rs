@@ -16,7 +16,7 @@ pub(super) struct Reader<'t> {
 }
 
 impl<'t> Reader<'t> {
-    /// For a text; `path` is what it is called in messages.
+    /// For a text; `path` is its name in messages.
     pub(super) fn new(path: &'t str, text: &'t str) -> Self {
         Self {
             path,
@@ -25,19 +25,19 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// The one document of the text; `None` where there is nothing in it.
+    /// The document of the text; `None` if it is empty.
     pub(super) fn document(&self) -> Result<Option<Node>, ConfigError> {
         let documents = events::build(self.text, &OffsetMap::default());
         if let Some(fault) = &documents.fault {
             return Err(self.error(fault.at, &fault.message));
         }
         if let Some((key, span)) = documents.repeated.first() {
-            return Err(self.error(span.start, &format!("`{key}` stands there twice")));
+            return Err(self.error(span.start, &format!("the key `{key}` occurs twice")));
         }
         let mut roots = documents.roots.into_iter();
         let root = roots.next();
         if let Some(second) = roots.next() {
-            return Err(self.error(second.span.start, "one document is expected"));
+            return Err(self.error(second.span.start, "expected one YAML document, found several"));
         }
         let is_nothing = |text: &str| text.is_empty() || text == "~" || text == "null";
         Ok(root.filter(|root| !root.text().is_some_and(is_nothing)))
@@ -47,10 +47,7 @@ impl<'t> Reader<'t> {
     pub(super) fn keys(&self, node: &Node, known: &[&str]) -> Result<(), ConfigError> {
         let words = || format!("known keys: {}", known.join(", "));
         if !node.is_mapping() {
-            return Err(self.error(
-                node.span.start,
-                &format!("keys with values are expected here; {}", words()),
-            ));
+            return Err(self.error(node.span.start, &format!("expected keys with values; {}", words())));
         }
         for (key, _) in node.pairs() {
             let text = key.text().unwrap_or_default();
@@ -71,8 +68,8 @@ impl<'t> Reader<'t> {
         let Some(value) = item.get(key) else { return Ok(None) };
         let text = value.text().filter(|text| !text.is_empty());
         let text =
-            text.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a name, or a glob with `*`")))?;
-        // A frame is compared without its slash, as tf2 does.
+            text.ok_or_else(|| self.error(value.span.start, &format!("`{key}` must be a name, or a glob with `*`")))?;
+        // Frames are compared without a leading slash, as in tf2.
         let text = if key == "frame" {
             text.strip_prefix('/').unwrap_or(text)
         } else {
@@ -81,7 +78,12 @@ impl<'t> Reader<'t> {
         let glob = GlobBuilder::new(text)
             .literal_separator(false)
             .build()
-            .map_err(|error| self.error(value.span.start, &format!("`{key}` is no glob: {}", error.kind())))?;
+            .map_err(|error| {
+                self.error(
+                    value.span.start,
+                    &format!("`{key}` is not a valid glob: {}", error.kind()),
+                )
+            })?;
         Ok(Some(glob.compile_matcher()))
     }
 
@@ -91,12 +93,12 @@ impl<'t> Reader<'t> {
         let known = words.iter().find(|(word, _)| word.eq_ignore_ascii_case(text));
         known.map(|(_, value)| Some(value.clone())).ok_or_else(|| {
             let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            let what = format!("`{key}` is one of {}, not `{text}`", words.join(", "));
+            let what = format!("`{key}` must be one of {}, not `{text}`", words.join(", "));
             self.error(value.span.start, &what)
         })
     }
 
-    /// Where a node stands, in words: path, line, and the column where it is asked for.
+    /// The place of a node in words: path, line, and column if wanted.
     pub(super) fn origin(&self, node: &Node, with_column: bool) -> String {
         let place = self.lines.locate(self.text, node.span.start);
         let column = if with_column {

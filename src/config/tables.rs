@@ -1,6 +1,6 @@
-//! Rows of the user's own for the tables of devices: in the configuration, or in a file beside it.
+//! The user's own rows for the tables of devices: in the configuration, or in a file beside it.
 //!
-//! Owns where they stand. Must not know what a row holds: the tables say that.
+//! Finds the rows. Does not know their keys: the tables check those.
 
 use std::fs::File;
 use std::io::Read;
@@ -14,11 +14,11 @@ use super::extends::guard;
 use super::reader::Reader;
 use super::{ConfigError, MAX_BYTES};
 
-/// Bound on rows of the user's own.
+/// Maximum number of the user's own rows.
 const MAX_ROWS: usize = 1000;
 
 impl Reader<'_> {
-    /// The tables with the rows that stand under `tables:` in front.
+    /// The tables, with the rows under `tables:` before the built-in ones.
     pub(super) fn tables(
         &self,
         node: &Node,
@@ -56,7 +56,7 @@ impl Reader<'_> {
         let shown = shown.display().to_string();
         let inner = Reader::new(&shown, &text);
         let Some(root) = inner.document()? else {
-            return Err(inner.error(0, "rows are expected, and the file is empty"));
+            return Err(inner.error(0, "the file is empty: expected rows"));
         };
         if root.is_mapping() {
             inner.keys(&root, &["rows"])?;
@@ -67,7 +67,7 @@ impl Reader<'_> {
     /// The rows of a list.
     fn rows(&self, table: &str, list: &Node, tables: &mut Tables) -> Result<(), ConfigError> {
         let items = list.items().ok_or_else(|| {
-            let what = format!("`{table}` is a list of rows, or the path of a file with them; rules/tables/{table}.yaml shows their keys");
+            let what = format!("`{table}` must be a list of rows, or the path of a file with them; rules/tables/{table}.yaml shows their keys");
             self.error(list.span.start, &what)
         })?;
         if items.len() > MAX_ROWS {
@@ -75,7 +75,7 @@ impl Reader<'_> {
         }
         for item in items {
             if !item.is_mapping() {
-                return Err(self.error(item.span.start, "a row is expected here: keys with values"));
+                return Err(self.error(item.span.start, "expected a row: keys with values"));
             }
             let line = self.lines.locate(self.text, item.span.start).line;
             let added = tables.add(table, &value(item), &format!("{}:{line}", self.path));
@@ -182,9 +182,9 @@ mod tests {
         );
         assert!(fault("tables:\n  lidar-imus:\n    - {name: Ours, words: [Ours X]}\n").contains("lower-case"));
         assert!(fault("tables:\n  lidar-imus: none.yaml\n").starts_with("c.yaml:2:15: `none.yaml` cannot be read"));
-        assert!(fault("tables:\n  lidar-imus: {}\n").contains("is a list of rows"));
-        assert!(fault("tables: []\n").contains("keys with values are expected"));
-        assert!(fault("dataset: town\n").contains("`dataset` is one of KITTI, nuScenes, Argoverse 2"));
+        assert!(fault("tables:\n  lidar-imus: {}\n").contains("must be a list of rows"));
+        assert!(fault("tables: []\n").contains("expected keys with values"));
+        assert!(fault("dataset: town\n").contains("`dataset` must be one of KITTI, nuScenes, Argoverse 2"));
         let text = "tables:\n  datasets:\n    - {name: T, words: [t], frames: [{names: [car], axes: FRU}]}\n";
         assert!(fault(text).contains("right-handed"), "{}", fault(text));
     }

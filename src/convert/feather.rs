@@ -5,18 +5,18 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray};
 use arrow_ipc::writer::FileWriter;
 
-/// A table in text, a line of names first, as a Feather file: a column of numbers where all its fields are numbers.
+/// A table in text, with a header line, as a Feather file: a column of numbers where all its fields are numbers.
 ///
 /// # Errors
 ///
-/// Where the fields of a row are not as many as the names, in words.
+/// Where a row has fewer fields than the header, in words.
 pub fn from_csv(text: &str) -> Result<Vec<u8>, String> {
     let mut lines = text.lines().filter(|line| !line.is_empty());
     let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     let column = |index: usize| -> Result<ArrayRef, String> {
         let fields: Option<Vec<&str>> = rows.iter().map(|row| row.get(index).copied()).collect();
-        let fields = fields.ok_or("a row is shorter than the line of names")?;
+        let fields = fields.ok_or("a row has fewer fields than the header line")?;
         let numbers: Option<Vec<f64>> = fields.iter().map(|field| field.parse().ok()).collect();
         Ok(match numbers {
             Some(numbers) => Arc::new(Float64Array::from(numbers)),

@@ -1,4 +1,4 @@
-//! Forms of a transform that belong to no program.
+//! Forms of a transform that belong to no dialect.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use super::write::number;
 /// Their words.
 pub(super) const FORMS: [&str; 5] = ["urdf", "tf", "matrix", "quaternion", "rpy"];
 
-/// The transforms in a form, one behind the other.
+/// The transforms in a form, one after the other.
 pub(super) fn write(form: &str, items: &[Item]) -> String {
     let mut out = String::new();
     for item in items {

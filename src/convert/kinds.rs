@@ -1,4 +1,4 @@
-//! Which frame of one dialect is which of another: by its name, or by what kind of thing names of its kind are.
+//! Maps the frames of one dialect to those of another: by their names, or by the kind of sensor that a name indicates.
 
 use crate::tables::{Dialect, Keyed, Rows, Writing, WrittenTransform};
 use crate::world::FrameId;
@@ -34,7 +34,7 @@ enum Kind {
     Wheel,
 }
 
-/// The kind that a name speaks of, and its number.
+/// The kind that a name indicates, and its number.
 fn kind(name: &str) -> Option<(Kind, u32)> {
     let tokens = FrameId::new(name).tokens();
     let numbered = |token: &String| {
@@ -87,12 +87,12 @@ pub(super) struct Cast<'t> {
     pub(super) keyed: Option<Keyed>,
     /// The frame that the file itself names, where it names one.
     pub(super) name: String,
-    /// What the key's target and source are here.
+    /// The frames for the key's target and source.
     pub(super) target: String,
     pub(super) source: String,
-    /// The number that stands for `#`.
+    /// The number that replaces `#`.
     pub(super) number: u32,
-    /// Whether it is the inverse of what was asked for.
+    /// Whether it is the inverse of what was requested.
     pub(super) is_turned: bool,
     /// Why its direction is in doubt.
     pub(super) doubt: Option<String>,
@@ -114,7 +114,7 @@ impl Part {
         }
     }
 
-    /// The number that a frame gives to `#`, where it fits; zero where nothing is counted.
+    /// The number that a frame gives to `#`, where it matches; zero where nothing is counted.
     fn fits(&self, frame: &str, writing: &Writing, first: Camera) -> Option<u32> {
         let Self::Named(word) = self else { return Some(0) };
         if !word.contains('#') && FrameId::new(word.as_str()).tokens() == FrameId::new(frame).tokens() {
@@ -147,7 +147,7 @@ impl Part {
     }
 }
 
-/// The frame that stands for a part which may be any: the source, where both may.
+/// The frame for a part that may be any: the source, where both may.
 fn named(a: &Part, b: &Part, target: &str, source: &str) -> String {
     match (a, b) {
         (Part::Any, Part::Named(_)) => target.to_owned(),
@@ -155,7 +155,7 @@ fn named(a: &Part, b: &Part, target: &str, source: &str) -> String {
     }
 }
 
-/// The transforms that a dialect can hold, with what each is; with a key, those under it.
+/// The transforms that a dialect can hold, with their frames; with a key, those under it.
 fn parts<'t>(
     writing: &'t Writing,
     dialects: &Rows<Dialect>,
@@ -184,7 +184,7 @@ fn parts<'t>(
     all
 }
 
-/// The transform of a dialect that two frames fit, either way round.
+/// The transforms of a dialect that two frames match, in either direction.
 fn fitting<'t>(
     writing: &'t Writing,
     dialects: &Rows<Dialect>,
@@ -200,7 +200,7 @@ fn fitting<'t>(
             else {
                 continue;
             };
-            // Both of `T_cn_cnm1` say the number.
+            // Both parts of `T_cn_cnm1` determine the number.
             let is_counted = |part: &Part| matches!(part, Part::Named(word) if word.contains('#'));
             if is_counted(&a) && is_counted(&b) && of_target != of_source {
                 continue;
@@ -223,7 +223,7 @@ fn fitting<'t>(
     casts
 }
 
-/// The place of one transform that was asked for.
+/// The place of one requested transform.
 pub(super) fn cast_one<'t>(
     writing: &'t Writing,
     dialects: &Rows<Dialect>,
@@ -234,7 +234,7 @@ pub(super) fn cast_one<'t>(
 ) -> Result<Cast<'t>, String> {
     let mut fits = fitting(writing, dialects, target, source, key, first);
     if fits.is_empty() {
-        // Names that say no kind: taken in the order that they were given, where there is one place for them.
+        // Names that indicate no kind: assigned in the given order, where there is only one place for them.
         let all = parts(writing, dialects, key);
         let count = all.len();
         if let (Some((transform, keyed, a, b)), 1) = (all.into_iter().next(), count) {
@@ -242,7 +242,7 @@ pub(super) fn cast_one<'t>(
                 transform,
                 name: named(&a, &b, target, source),
                 doubt: Some(format!(
-                    "the frames `{target}` and `{source}` were put in by their order"
+                    "the frames `{target}` and `{source}` were assigned by their order, not by their names"
                 )),
                 keyed,
                 target: target.to_owned(),
@@ -259,14 +259,14 @@ pub(super) fn cast_one<'t>(
             .map(|transform| transform.key.as_str())
             .collect();
         format!(
-            "`{target}` from `{source}` has no place in `{}` by the frames' names: say which with --key, one of {}",
+            "`{target}` from `{source}` matches no key of `{}` by the names of the frames: choose one with --key: {}",
             writing.dialect,
             keys.join(", ")
         )
     })
 }
 
-/// The places of everything that was read: each link once, and no frame twice where one transform ties it already.
+/// The places of everything that was read: each link once, and no frame twice where one transform already connects it.
 pub(super) fn cast_all<'t>(
     writing: &'t Writing,
     dialects: &Rows<Dialect>,
@@ -276,7 +276,7 @@ pub(super) fn cast_all<'t>(
     let first = Camera::first_of(links);
     let frames = links.frames();
     let mut casts: Vec<Cast<'t>> = Vec::new();
-    // What was stated comes before what chains make of it.
+    // Stated transforms come before chains of them.
     let stated = links.all.iter().map(|link| (&link.target, &link.source));
     let made = frames
         .iter()

@@ -17,7 +17,7 @@ pub(super) struct Link {
     pub(super) target: String,
     pub(super) source: String,
     pub(super) pose: Isometry3<f64>,
-    /// The key it stands under.
+    /// The key it is stated under.
     pub(super) label: String,
     /// File and line.
     pub(super) place: String,
@@ -31,7 +31,7 @@ pub(super) struct Links {
 
 impl Links {
     /// The rigid transforms of a run: of files, of fixed joints and of latched TF; a rotation and a translation of one pair that are stated
-    /// apart are put together.
+    /// apart are combined.
     pub(super) fn of(run: &Run, wish: &Wish) -> Result<Self, String> {
         let mut all = Vec::new();
         for world in &run.worlds {
@@ -59,7 +59,7 @@ impl Links {
         if wish.is.is_some() && wish.key.is_none() && open.len() > 1 {
             let labels: Vec<&str> = open.iter().map(|claim| claim.label.as_str()).collect();
             return Err(format!(
-                "--is speaks of one transform, and {} have no frames: say which with --key: {}",
+                "--is names the frames of one transform, and {} have none: choose one with --key: {}",
                 open.len(),
                 labels.join(", ")
             ));
@@ -67,10 +67,10 @@ impl Links {
         if all.is_empty() {
             return Err(match open.first() {
                 Some(claim) => format!(
-                    "`{}` does not say which frames it is between: say it with --is \"TARGET from SOURCE\"",
+                    "`{}` does not state its frames: name them with --is \"TARGET from SOURCE\"",
                     claim.label
                 ),
-                None => "nothing that was read states a transform".to_owned(),
+                None => "the inputs state no transform".to_owned(),
             });
         }
         Ok(Self { all })
@@ -117,7 +117,7 @@ impl Links {
     }
 }
 
-/// The frames that a statement names, or that the user says it is between.
+/// The frames that a statement names, or that the user gives for it.
 fn frames_of(claim: &Claim, wish: &Wish) -> Option<(String, String)> {
     let is_meant = wish.key.as_deref() == Some(claim.label.as_str());
     let is_open = claim.frames.is_none() && (is_meant || wish.key.is_none());
@@ -142,7 +142,7 @@ fn link(run: &Run, claim: &Claim, (target, source): (String, String), pose: Isom
     }
 }
 
-/// A rotation and a translation of one pair, perhaps one of them stated the other way round.
+/// A rotation and a translation of one pair, perhaps one of them stated as the inverse.
 fn joined(run: &Run, halves: &[(&Claim, (String, String))]) -> Vec<Link> {
     let mut links = Vec::new();
     for (claim, (target, source)) in halves.iter().filter(|(claim, _)| claim.has_rotation) {

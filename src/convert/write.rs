@@ -7,9 +7,9 @@ use crate::tables::{Angle, Length, Writing};
 
 use super::kinds::Cast;
 
-/// A number as every reader of YAML and JSON takes it: with a point, without an exponent.
+/// A number as every reader of YAML and JSON accepts it: with a point, without an exponent.
 pub(super) fn number(value: f64) -> String {
-    // What floating point leaves of nothing.
+    // Rounding errors of zero.
     if value.abs() < 1e-14 {
         return "0.0".to_owned();
     }
@@ -78,17 +78,20 @@ pub(super) fn item(cast: &Cast<'_>, target_from_source: &Isometry3<f64>) -> Resu
     Ok(filled(&cast.transform.write, &values))
 }
 
-/// A frame's name as it may stand in any of the files.
+/// A frame's name, if any of the files may contain it.
 fn spelled(frame: &str) -> Result<String, String> {
     let is_plain = !frame.contains(['"', '\\', ':', ',', '{', '}', '[', ']', '#', '\n']);
     if is_plain {
         Ok(frame.to_owned())
     } else {
-        Err(format!("the frame name `{}` cannot be written", frame.escape_debug()))
+        Err(format!(
+            "the frame name `{}` contains characters that cannot be written",
+            frame.escape_debug()
+        ))
     }
 }
 
-/// Puts values in; those of several lines with the blanks before their place in front of each line.
+/// Inserts values; each line of a value is indented like its place.
 fn filled(template: &str, values: &[(&str, String)]) -> String {
     let mut out = String::with_capacity(template.len() * 2);
     for (index, line) in template.split('\n').enumerate() {
@@ -109,7 +112,7 @@ fn filled(template: &str, values: &[(&str, String)]) -> String {
     out
 }
 
-/// The file around its transforms; those that begin with the same key are put together under it.
+/// The file around its transforms; those that begin with the same key are grouped under it.
 pub(super) fn file(writing: &Writing, items: &[String]) -> String {
     let mut grouped: Vec<String> = Vec::new();
     for item in items {

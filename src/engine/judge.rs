@@ -311,7 +311,10 @@ mod tests {
         let verdict = run_with(entry);
         assert_eq!(verdict.rows.len(), 1);
         assert_eq!(verdict.rows[0].outcome, Outcome::NotEvaluated);
-        assert_eq!(verdict.rows[0].reason.as_deref(), Some("missing input: no URDF"));
+        assert_eq!(
+            verdict.rows[0].reason.as_deref(),
+            Some("missing input: no URDF: needs a file or /robot_description")
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! The 48 ways to name three axes anew: signed permutations, half of them turns and half of them mirrors.
+//! The 48 ways to rename three axes: signed permutations, half of them rotations and half of them mirrors.
 //!
 //! Owns their list, their names and the search for the one that explains a correlation. Must not know which sensor is
-//! wrong, nor how clear an answer must be. The turns that the field has a word for are those of
+//! wrong, nor how clear an answer must be. The rotations with a common name are those of
 //! [`constants`](super::constants). Source: `rules/quat/quaternion-convention.md`.
 
 use nalgebra::{Matrix3, Vector3};
@@ -18,7 +18,7 @@ pub struct AxisMap {
 /// The six orders of three axes, the even ones first.
 const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]];
 
-/// The mirrors that have a word: the slips by which a right-handed triad becomes left-handed, and all axes negated.
+/// The mirrors that have a name: the single errors by which a right-handed triad becomes left-handed, and all axes negated.
 const MIRRORS: [(&str, AxisMap); 7] = [
     ("x-negated", AxisMap::new([0, 1, 2], [true, false, false])),
     ("y-negated", AxisMap::new([0, 1, 2], [false, true, false])),
@@ -48,7 +48,7 @@ impl AxisMap {
             .flat_map(move |order| signs.clone().map(move |negated| AxisMap::new(order, negated)))
     }
 
-    /// The map of one of the field's own turns.
+    /// The map of one of the named rotations.
     pub fn from_turn(turn: AxisTurn) -> AxisMap {
         let wanted = turn.rotation();
         // Entries are exactly 0, 1 and -1 on both sides, and every turn is one of the 48.
@@ -57,7 +57,7 @@ impl AxisMap {
             .unwrap_or(AxisMap::IDENTITY)
     }
 
-    /// The word of the field for this turn, if it has one. `None` for the identity, for the other turns and for mirrors.
+    /// The named rotation that this is, if any. `None` for the identity, for the other rotations and for mirrors.
     pub fn turn(self) -> Option<AxisTurn> {
         AxisTurn::all()
             .iter()
@@ -101,7 +101,7 @@ impl AxisMap {
         turn.or(mirror).map_or_else(|| self.spelled(), str::to_owned)
     }
 
-    /// What the axes x, y, z of `to` are in `from`: `(y, x, -z)` says x = old y, y = old x, z = minus old z.
+    /// What the axes x, y, z of `to` are in `from`: `(y, x, -z)` means x = old y, y = old x, z = minus old z.
     pub fn spelled(self) -> String {
         let word = |(axis, negated): (u8, bool)| {
             let letter = match axis {
@@ -177,26 +177,26 @@ impl AxisSearch {
         self.ranked.iter().find(|s| s.map.is_proper() == proper).copied()
     }
 
-    /// The relative residual of a scored map: sqrt(sum |to - M from|^2 / sum |from|^2). 0 = perfect, 1 = says nothing,
+    /// The relative residual of a scored map: sqrt(sum |to - M from|^2 / sum |from|^2). 0 = perfect, 1 = no information,
     /// 2 = opposite, where both have the same power.
     pub fn residual(&self, scored: &ScoredMap) -> f64 {
         let squares = self.from_power + self.to_power - 2.0 * scored.score;
         (squares.max(0.0) / self.from_power).sqrt()
     }
 
-    /// The ratio of the runner-up's residual to the best's: 1 = can't be told apart. Infinite for a perfect best.
+    /// The ratio of the runner-up's residual to the best's: 1 = indistinguishable. Infinite for a perfect best.
     pub fn margin(&self) -> Option<f64> {
         Some(self.ratio(self.runner_up()?))
     }
 
-    /// The ratio of the residual of the best map of the other handedness to the best's: how surely a mirror is a mirror.
+    /// The ratio of the residual of the best map of the other handedness to the best's: how sure the handedness is.
     pub fn handedness_margin(&self) -> Option<f64> {
         let other = self.best_of(!self.best()?.map.is_proper())?;
         Some(self.ratio(other))
     }
 
-    /// The maps whose residual is at most `ratio` times the best's, the best first: those that these data can't tell
-    /// apart. Motion about one axis alone leaves a class of eight.
+    /// The maps whose residual is at most `ratio` times the best's, the best first: those that these data cannot
+    /// distinguish. Motion about one axis alone gives a class of eight.
     pub fn class(&self, ratio: f64) -> Vec<AxisMap> {
         let near = self.ranked.iter().take_while(|s| self.ratio(**s) <= ratio);
         near.map(|s| s.map).collect()

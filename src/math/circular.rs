@@ -1,4 +1,4 @@
-//! Statistics of angles: means that know that -pi and pi are one direction, differences, unwrapping.
+//! Statistics of angles: means for which -pi and pi are the same direction, differences, unwrapping.
 //!
 //! Owns weighted circular moments. Must not know what the angles mean: a course, a yaw, a phase are all the same here.
 //! Radians. Angles and weights that are not finite, and weights that are not positive, are left out of every result.
@@ -62,7 +62,7 @@ fn moment(angles: impl IntoIterator<Item = (f64, f64)>, order: f64) -> Option<Ci
 
 /// The angle in -pi..=pi that is `angle_rad` but for whole turns. Not finite when the angle is not.
 pub fn wrapped(angle_rad: f64) -> f64 {
-    // `angle - TAU * round` alone leaves +-pi to the mercy of rounding; the clamp keeps the promised range.
+    // `angle - TAU * round` alone may exceed +-pi by rounding; the clamp keeps the promised range.
     (angle_rad - TAU * (angle_rad / TAU).round()).clamp(-PI, PI)
 }
 

@@ -1,6 +1,6 @@
 //! The constant rotations of the field: `P` (NED/ENU), `F` (FLU/FRD), `O` (optical), `Z` (180 deg about z), and the plain quarter and half turns.
 //!
-//! Owns their exact matrices, quaternions and names. Must not know which frame uses which: that is a table's business.
+//! Owns their exact matrices, quaternions and names. Must not know which frame uses which: that is in tables.
 //! All are proper rotations; their matrices hold only 0, 1 and -1, exactly.
 
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 
 /// A constant rotation between two common axis conventions.
 ///
-/// Read each as `new_from_old` or `old_from_new`: but for the quarter turns and [`AxisTurn::Optical`] with
+/// Read each as `new_from_old` or `old_from_new`: except for the quarter turns and [`AxisTurn::Optical`] with
 /// [`AxisTurn::OpticalInverse`], each is its own inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AxisTurn {
@@ -119,12 +119,12 @@ impl AxisTurn {
     }
 }
 
-/// `P`: `enu_from_ned` and `ned_from_enu` alike. See [`AxisTurn::NedEnu`].
+/// `P`: both `enu_from_ned` and `ned_from_enu`. See [`AxisTurn::NedEnu`].
 pub fn ned_enu() -> Rotation3<f64> {
     AxisTurn::NedEnu.rotation()
 }
 
-/// `F`: `flu_from_frd` and `frd_from_flu` alike. See [`AxisTurn::FluFrd`].
+/// `F`: both `flu_from_frd` and `frd_from_flu`. See [`AxisTurn::FluFrd`].
 pub fn flu_frd() -> Rotation3<f64> {
     AxisTurn::FluFrd.rotation()
 }

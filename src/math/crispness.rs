@@ -1,12 +1,12 @@
-//! How crisp a map is: in how many cells of a grid its points lie. Scans that are put together right fall on each other; put together
-//! wrong, every wall is there as often as it was scanned.
+//! How crisp a map is: the number of grid cells that its points occupy. Correctly registered scans coincide; wrongly registered, every
+//! wall appears as often as it was scanned.
 
 use std::collections::BTreeSet;
 
 /// Coordinates beyond this have no cell, metres.
 const FAR_M: f64 = 1e6;
 
-/// In how many square cells of this size points lie; x and y in metres, in any one frame. Points that are not finite or further off than
+/// How many square cells of this size hold points; x and y in metres, in any one frame. Points that are not finite or further off than
 /// 1000 km are left out; 0 where the size is no length.
 pub fn occupied_cells(points: impl IntoIterator<Item = [f64; 2]>, cell_m: f64) -> usize {
     if !(cell_m.is_finite() && cell_m > 0.0) {

@@ -18,13 +18,13 @@ pub enum Radial {
 /// How far a model can be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reach {
-    /// Up to the radius that was asked for, which this angle is seen at.
+    /// Up to the requested radius, at which this angle is imaged.
     Whole {
         /// From the optical axis, radians.
         angle_rad: f64,
     },
-    /// Up to this radius in the distorted image: from there on a larger angle comes to lie further in, or no angle comes
-    /// to lie at all.
+    /// Up to this radius in the distorted image: from there on a larger angle is imaged further in, or not
+    /// at all.
     Folds {
         /// The largest distorted radius, normalised.
         radius: f64,

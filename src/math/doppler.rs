@@ -1,4 +1,4 @@
-//! The velocity of a sensor by the range rates of what stands still around it.
+//! The velocity of a sensor from the range rates of static surroundings.
 //!
 //! Owns the robust fit of `rate = -v . d` and the question which way detections go from one scan to the next. Metres, seconds and
 //! radians; directions and velocities in one set of axes, whichever the caller's. Source: Kellner et al. 2013, "Instantaneous
@@ -18,7 +18,7 @@ const REACH: f64 = 1.5;
 /// One detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// From the sensor to it, of length 1.
+    /// From the sensor to it, a unit vector.
     pub direction: Vector3<f64>,
     /// How fast it goes away, m/s.
     pub rate: f64,
@@ -27,16 +27,16 @@ pub struct Sight {
 /// How a sensor moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ego {
-    /// Its velocity over what stands still, in the plane of x and y, m/s.
+    /// Its velocity relative to static surroundings, in the plane of x and y, m/s.
     pub velocity: Vector2<f64>,
-    /// Standard error of the velocity in the direction that is the least sure, m/s.
+    /// Standard error of the velocity in the least certain direction, m/s.
     pub sigma: f64,
     /// Detections that agree, and all of them.
     pub share: [usize; 2],
 }
 
 impl Sight {
-    /// The rate that is left if the sensor has a velocity, m/s.
+    /// The residual range rate for a velocity of the sensor, m/s.
     fn left(&self, velocity: &Vector2<f64>) -> f64 {
         self.rate + velocity.dot(&self.direction.xy())
     }
@@ -49,7 +49,7 @@ pub fn agreeing(sights: &[Sight], velocity: &Vector2<f64>, tolerance: f64) -> us
 }
 
 /// The velocity that most detections agree with to within the tolerance, m/s; its part along z is taken to be zero. `None` where
-/// they lie in one direction, or are too few.
+/// they are in one direction, or too few.
 pub fn ego(sights: &[Sight], tolerance: f64) -> Option<Ego> {
     let usable = |sight: &&Sight| sight.rate.is_finite() && sight.direction.iter().all(|part| part.is_finite());
     let sights: Vec<Sight> = sights.iter().filter(usable).copied().collect();
@@ -96,7 +96,7 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
     (0..TRIED).map(|_| (next(), next())).filter(|(a, b)| a != b).collect()
 }
 
-/// The velocity that two detections that stand still tell.
+/// The velocity that two static detections determine.
 fn of_two(a: &Sight, b: &Sight) -> Option<Vector2<f64>> {
     let rows = Matrix2::new(a.direction.x, a.direction.y, b.direction.x, b.direction.y);
     if rows.determinant().abs() < LEAST_APART {
@@ -122,7 +122,7 @@ fn weighed(sights: &[Sight], about: &Vector2<f64>, tolerance: f64) -> Option<(Ve
         squares += weight * left * left;
         weights += weight;
     }
-    // Of eigenvalues less than this share of all, the direction is not seen.
+    // A direction is not observed where its eigenvalue is less than this share of all.
     let eigen = SymmetricEigen::try_new(information, 1e-15, 50)?;
     let least = eigen.eigenvalues.min();
     if weights < 3.0 || least < LEAST_APART * LEAST_APART * weights {

@@ -1,6 +1,6 @@
 //! Fitting a plane track whose heading drifts evenly onto another one.
 //!
-//! Owns the one more number, a rate of turn, that such a fit has. Must not know which list is odometry, nor how much it may drift.
+//! Owns the additional parameter of such a fit, a turn rate. Must not know which list is odometry, nor how much it may drift.
 //! Metres, radians, seconds. Source: Gauss-Newton on the rate; for each rate the rest is [`fit_similarities`].
 
 use nalgebra::{Rotation2, Vector2};
@@ -11,7 +11,7 @@ use super::similarity2::{Similarities, Similarity2, fit_similarities};
 const STEPS: usize = 3;
 
 /// As [`fit_similarities`], of a source whose heading may have drifted by up to `most_rad_s`, evenly since the first point: each of
-/// the two fits is that of the source with the drift taken off that serves it best.
+/// the two fits is that of the source after removing the drift that minimises its residual.
 ///
 /// `None` as there, and for as many times as there are no points.
 pub fn fit_drifting(

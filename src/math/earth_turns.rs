@@ -1,8 +1,8 @@
-//! How the rotation between the Earth's frame and a local east-north-up frame goes wrong.
+//! Errors in the rotation between the Earth's frame and a local east-north-up frame.
 //!
-//! Owns what each error makes of `earth_from_enu` at a place, and which of them a rotation shows. Must not know frame
-//! names, nor how much of a difference matters. Radians; rotations are dimensionless.
-//! Source of the right rotation: [`Geodetic::enu_from_ecef`], its rows east, north, up.
+//! Owns the wrong `earth_from_enu` of each error at a place, and which errors a rotation matches. Must not know frame
+//! names, nor how large a difference matters. Radians; rotations are dimensionless.
+//! Source of the correct rotation: [`Geodetic::enu_from_ecef`], its rows east, north, up.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -20,17 +20,17 @@ pub enum EarthTurn {
     Transposed,
     /// North, east, down in place of east, north, up.
     Ned,
-    /// The same, and the other way round.
+    /// The same, transposed.
     NedTransposed,
-    /// `R1(pi/2 - latitude) R3(pi/2 + longitude)`, which is right for rotations of axes, made of rotations of vectors.
+    /// `R1(pi/2 - latitude) R3(pi/2 + longitude)`, which is correct for axes, applied to vectors.
     Active,
-    /// The same, and the other way round.
+    /// The same, transposed.
     ActiveTransposed,
-    /// The angle of the line to the Earth's centre taken for the latitude: up to 0.19 degrees less.
+    /// The geocentric latitude in place of the geodetic one: up to 0.19 degrees less.
     SphericalLatitude,
-    /// Latitude and longitude changed.
+    /// Latitude and longitude exchanged.
     Swapped,
-    /// The longitude with the other sign.
+    /// The longitude with the opposite sign.
     LongitudeNegated,
     /// Degrees given to functions of radians.
     Degrees,
@@ -39,7 +39,7 @@ pub enum EarthTurn {
 }
 
 impl EarthTurn {
-    /// Every error, the plainest first.
+    /// Every error, the simplest first.
     pub const ALL: [Self; 11] = [
         Self::Lost,
         Self::Transposed,
@@ -71,24 +71,24 @@ impl EarthTurn {
         }
     }
 
-    /// What happened, for the end of a sentence.
+    /// The error, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
-            Self::Lost => "there is no rotation: the axes are those of the Earth",
-            Self::Transposed => "the matrix is transposed, ENU from Earth in place of Earth from ENU",
+            Self::Lost => "the rotation is missing (ECEF axes)",
+            Self::Transposed => "the matrix is transposed (ENU from ECEF)",
             Self::Ned => "the axes are north, east, down",
-            Self::NedTransposed => "the matrix is transposed, NED from Earth",
-            Self::Active => "rotations of axes were put together as rotations of vectors",
-            Self::ActiveTransposed => "rotations of axes were put together as rotations of vectors, and transposed",
-            Self::SphericalLatitude => "the latitude is that of a sphere, not of the ellipsoid",
-            Self::Swapped => "latitude and longitude are changed",
-            Self::LongitudeNegated => "the longitude has the other sign",
-            Self::Degrees => "degrees were taken for radians",
+            Self::NedTransposed => "the matrix is transposed (NED from ECEF)",
+            Self::Active => "axis rotations are applied to vectors",
+            Self::ActiveTransposed => "axis rotations are applied to vectors, and transposed",
+            Self::SphericalLatitude => "the latitude is geocentric, not geodetic",
+            Self::Swapped => "latitude and longitude are swapped",
+            Self::LongitudeNegated => "the longitude has the wrong sign",
+            Self::Degrees => "degrees are used as radians",
             Self::UpEastNorth => "the axes are up, east, north",
         }
     }
 
-    /// What the error makes of `earth_from_enu` at a place.
+    /// The wrong `earth_from_enu` of the error at a place.
     pub fn at(self, place: &Geodetic) -> Rotation3<f64> {
         let (latitude, longitude) = (place.latitude_rad, place.longitude_rad);
         let right = |latitude_rad, longitude_rad| {
@@ -122,19 +122,19 @@ impl EarthTurn {
     }
 }
 
-/// The angle of a rotation, by the chord from the identity: the arc cosine of a trace that rounding takes above 3 is no number.
+/// The angle of a rotation, by the chord from the identity: the arc cosine of a trace that rounding takes above 3 is NaN.
 fn angle(rotation: &Rotation3<f64>) -> f64 {
     let chord = (rotation.matrix() - Matrix3::identity()).norm() / 8.0_f64.sqrt();
     2.0 * chord.min(1.0).asin()
 }
 
-/// The product that the textbooks' angles make of rotations of vectors.
+/// The product of the textbooks' angles as rotations of vectors.
 fn active(latitude: f64, longitude: f64) -> Rotation3<f64> {
     let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2 - latitude);
     about_x * Rotation3::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2 + longitude)
 }
 
-/// A rotation beside the right one.
+/// A rotation compared with the correct one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beside {
     /// The angle between its z axis and up, 0..=pi.
@@ -143,7 +143,7 @@ pub struct Beside {
     pub yaw_rad: f64,
 }
 
-/// How an `earth_from_map` stands in east, north, up at a place.
+/// The attitude of an `earth_from_map` in east, north, up at a place.
 pub fn beside(place: &Geodetic, earth_from_map: &Rotation3<f64>) -> Beside {
     let enu_from_map = place.enu_from_ecef() * earth_from_map;
     let (x, z) = (enu_from_map * Vector3::x(), enu_from_map * Vector3::z());
@@ -154,7 +154,7 @@ pub fn beside(place: &Geodetic, earth_from_map: &Rotation3<f64>) -> Beside {
 }
 
 /// The errors that an `earth_from_map` shows to within an angle, radians. Errors that are the same at this place are all
-/// given. Where none is met whole, those whose z axis is: the map may be turned about up besides.
+/// given. Where none matches as a whole, those whose z axis matches: the map may be rotated about up as well.
 pub fn shown(place: &Geodetic, earth_from_map: &Rotation3<f64>, within_rad: f64) -> Vec<EarthTurn> {
     let meets = |of: fn(&Rotation3<f64>) -> f64| {
         let errors = EarthTurn::ALL.into_iter();
@@ -169,7 +169,7 @@ pub fn shown(place: &Geodetic, earth_from_map: &Rotation3<f64>, within_rad: f64)
         let z = difference * Vector3::z();
         z.x.hypot(z.y).atan2(z.z)
     });
-    // Of the others a turned map says nothing: their z axes are those of other frames.
+    // For the others the z axis decides nothing: it is that of other frames.
     turned.retain(|error| matches!(error, EarthTurn::SphericalLatitude | EarthTurn::Ned));
     turned
 }

@@ -41,7 +41,7 @@ impl Centred {
         let mean = stretches.iter().flatten().sum::<f64>() / count as f64;
         stretches.iter_mut().flatten().for_each(|v| *v -= mean);
         let squares = stretches.iter().map(|s| dot(s, s)).sum::<f64>();
-        // A constant leaves rounding behind.
+        // A constant has only rounding errors.
         let noise = (f64::EPSILON * mean).powi(2) * count as f64;
         (count > 1 && squares.is_finite() && squares > noise).then_some(Centred {
             stretches,

@@ -1,12 +1,12 @@
-//! Three angles about coordinate axes, put together in any order.
+//! Three angles about coordinate axes, combined in any order.
 //!
-//! Owns the 72 ways to make a rotation of three numbers, their names, and the way back to the numbers. Must not know which
-//! of them a file means. Radians throughout. Source: Diebel 2006, Representing Attitude,
+//! Owns the 72 ways to make a rotation from three numbers, their names, and the inverse. Must not know which of them a
+//! file means. Radians throughout. Source: Diebel 2006, Representing Attitude,
 //! section 5 (the twelve sequences); URDF specification, `origin` (fixed axes x, y, z).
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
-/// A way to make a rotation of three numbers: `R = R_axis0(number) * R_axis1(number) * R_axis2(number)`.
+/// A way to make a rotation from three numbers: `R = R_axis0(number) * R_axis1(number) * R_axis2(number)`.
 ///
 /// Read from left to right the turns are about rotating (intrinsic) axes, from right to left about fixed (extrinsic)
 /// ones: both readings of a sequence are in the list, as two sequences.
@@ -44,7 +44,7 @@ impl Order {
         numbers: [2, 1, 0],
     };
 
-    /// All 72, the likeliest slip first: each number about its own axis in another sequence, then the sequence of ROS
+    /// All 72, the likeliest error first: each number about its own axis in another sequence, then the sequence of ROS
     /// with its numbers exchanged, then both, then sequences of two axes. [`Order::ROS`] is the first.
     pub fn all() -> Vec<Order> {
         let (three, two) = SEQUENCES.split_at(6);
@@ -81,7 +81,7 @@ impl Order {
         factors.fold(UnitQuaternion::identity(), |product, factor| product * factor)
     }
 
-    /// The numbers that make a rotation; the one about the middle axis lies within a quarter turn. `None` for sequences
+    /// The numbers that make a rotation; the one about the middle axis is within a quarter turn. `None` for sequences
     /// of two axes. Where the middle one is a quarter turn, the last one is 0.
     pub fn numbers_of(self, rotation: &UnitQuaternion<f64>) -> Option<[f64; 3]> {
         let [a, b, c] = self.axes.map(usize::from);
@@ -90,7 +90,7 @@ impl Order {
         }
         let matrix = rotation.to_rotation_matrix();
         let entry = |row: usize, column: usize| matrix.matrix().get((row, column)).copied().unwrap_or(f64::NAN);
-        // 1 where the axes stand in the order x, y, z, x, ...
+        // 1 where the axes are in the order x, y, z, x, ...
         let sign = if (b + 3 - a) % 3 == 1 { 1.0 } else { -1.0 };
         let cosine = entry(a, a).hypot(entry(a, b));
         let middle = (sign * entry(a, c)).atan2(cosine);

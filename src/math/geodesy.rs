@@ -56,7 +56,7 @@ impl Geodetic {
     /// The place with these Earth-centred coordinates, metres. To nanometres from 5000 km below to far above the
     /// ellipsoid.
     ///
-    /// `None` when a coordinate is not finite or the point is within 1000 km of the centre: nothing lies there, and the
+    /// `None` when a coordinate is not finite or the point is within 1000 km of the centre: no place is there, and the
     /// latitude is not unique everywhere. The longitude is 0 on the axis.
     pub fn from_ecef(ecef_m: &Vector3<f64>) -> Option<Geodetic> {
         let (p, z) = (ecef_m.x.hypot(ecef_m.y), ecef_m.z);

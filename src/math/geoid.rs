@@ -1,4 +1,4 @@
-//! The geoid: how far mean sea level lies above the ellipsoid.
+//! The geoid: the height of mean sea level above the ellipsoid.
 //!
 //! Owns one number of a place, from the crate `egm96` (coefficients of degree 360 in the program, no file, 2 MB).
 //! Must not know which datum a height claims. Source: Lemoine and others, The development of the joint NASA GSFC and

@@ -1,7 +1,7 @@
 //! Which way is up: the mean of the specific force in the world, under each reading of the orientation.
 //!
-//! Owns the turned means and how well they agree. Gives numbers and no verdict: what points down may be a world whose z
-//! points down or an accelerometer with the other sign. Blind to yaw. Must not know which message held the rows.
+//! Owns the rotated means and how well they agree. Gives numbers and no verdict: a force that points down may be a world whose
+//! z points down or an accelerometer with the opposite sign. Blind to yaw. Must not know which message held the rows.
 //! Seconds, rad/s, m/s^2. Source: `rules/axes/orientation-vs-gravity.md`.
 
 use nalgebra::Vector3;
@@ -31,14 +31,14 @@ pub struct Gravity {
     pub covered_s: f64,
     /// The mean of the norm of the force, m/s^2. It needs no orientation: near 9.8, or the unit or the content is another.
     pub norm_m_s2: f64,
-    /// The time in windows whose body, by the orientation as published, is tilted by at least the limit: what tells a
-    /// reading from its conjugate. Seconds.
+    /// The time in windows whose body, by the orientation as published, is tilted by at least the limit: this
+    /// distinguishes a reading from its conjugate. Seconds.
     pub tilted_s: f64,
     /// The result of each reading, in the order of [`Reading::ALL`].
     pub means: [WorldForce; 4],
 }
 
-/// The force, turned to the world by one reading.
+/// The force, rotated into the world by one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldForce {
     /// The reading.

@@ -1,7 +1,7 @@
-//! How late one rate signal is against another.
+//! The time lag of one rate signal behind another.
 //!
-//! Owns the correlation of two signals over a range of lags and what its peak is worth: significance, a runner-up, the
-//! deviation of the lag, the answers of parts. Gives numbers and no verdict. Must not know which clock is right.
+//! Owns the correlation of two signals over a range of lags and the quality of its peak: significance, a runner-up, the
+//! deviation of the lag, the results of parts. Gives numbers and no verdict. Must not know which clock is right.
 //! Seconds; the signals may have any unit, and each its own. Source: `rules/time/sensor-time-offset.md`;
 //! the deviation of the lag is that of Knapp and Carter, The generalized correlation method for
 //! estimation of time delay, IEEE TASSP 24(4), 1976, for the effective count of values.
@@ -19,7 +19,7 @@ use super::effective::{dot, effective_count};
 use curve::Curve;
 use grid::Segment;
 
-/// How two signals are laid on one grid and compared.
+/// How two signals are sampled on one grid and compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// The step of the grid, seconds.
@@ -31,11 +31,11 @@ pub struct Options {
     pub max_lag_s: f64,
     /// The runner-up is sought farther from the peak than this, seconds.
     pub guard_s: f64,
-    /// A step between samples longer than this is a hole, and nothing is drawn across it, seconds.
+    /// A step between samples longer than this is a hole, and nothing is interpolated across it, seconds.
     pub hole_s: f64,
     /// A lag counts when the values that overlap at it are at least this share of those at the lag with the most.
     pub least_overlap: f64,
-    /// Into how many parts of equal length the first signal is cut for a second opinion.
+    /// Into how many parts of equal length the first signal is cut for a second estimate.
     pub parts: usize,
 }
 
@@ -70,13 +70,13 @@ impl Options {
 /// The peak of a correlation over lags.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
-    /// How late the second signal is against the first, seconds: second(t + lag) goes with first(t). Between the steps
+    /// How late the second signal is relative to the first, seconds: second(t + lag) goes with first(t). Between the steps
     /// of the grid by a parabola through the peak and its neighbours.
     pub lag_s: f64,
     /// The correlation at the peak's grid point, -1..=1, about the means and with the variances of the values that
     /// overlap at that lag.
     pub rho: f64,
-    /// Whether the peak lies within the range and not at its end: at the end the true one may be outside.
+    /// Whether the peak is within the range and not at its end: at the end the true one may be outside.
     pub interior: bool,
     /// How many pairs of values overlap at the peak.
     pub pairs: usize,
@@ -88,7 +88,7 @@ pub struct Peak {
     /// signal does not count. `None` where the peak is flat or at an end.
     pub bandwidth_hz: Option<f64>,
     /// The standard deviation of the lag, seconds: sqrt((1 - rho^2) / (rho^2 n_e (2 pi B)^2)), where n_e is the effective
-    /// count of the pair that makes the error: the slope of the first signal and what it leaves unexplained of the
+    /// count of the pair that makes the error: the slope of the first signal and the unexplained part of the
     /// second. With noise at 10 Hz it is within a factor of two of what simulations scatter.
     pub sigma_s: Option<f64>,
     /// The same with n_eff for n_e, as TIME09 writes it, seconds: several times more than the scatter where the noise is
@@ -97,7 +97,7 @@ pub struct Peak {
     /// The largest correlation farther from the peak than the guard. `None` when the range ends before.
     pub runner_up: Option<f64>,
     /// The smallest correlation of all and its lag on the grid, seconds: strongly negative where one signal has the
-    /// other sign.
+    /// opposite sign.
     pub trough: (f64, f64),
 }
 
@@ -106,7 +106,7 @@ pub struct Peak {
 pub struct Lag {
     /// All of both signals.
     pub whole: Peak,
-    /// Each part of the first signal, in the order of time, against all of the second. `None` where a part has nothing
+    /// Each part of the first signal, in the order of time, compared with all of the second. `None` where a part has nothing
     /// to compare.
     pub parts: Vec<Option<Peak>>,
     /// The correlation of the whole at each lag that counts: seconds, -1..=1.
@@ -126,7 +126,7 @@ impl Lag {
     }
 }
 
-/// The lag of the second signal against the first; each is a list of stretches of `(time in s, value)`.
+/// The lag of the second signal behind the first; each is a list of stretches of `(time in s, value)`.
 ///
 /// Samples that are not finite, holes, steps back in time and ends of stretches cut a signal, and nothing is averaged
 /// across a cut. Cost: points of the grid times lags, twice. `None` when no lag has overlap, or a signal is constant.
@@ -193,7 +193,7 @@ fn peak(curve: &Curve, first: &[Segment], second: &[Segment], options: &Options)
     })
 }
 
-/// The effective count of (slope of the first signal, what it leaves unexplained of the second).
+/// The effective count of (slope of the first signal, unexplained part of the second).
 fn error_count(pairs: &[(&[f64], &[f64])]) -> Option<f64> {
     let (ab, aa) = pairs
         .iter()

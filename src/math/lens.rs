@@ -1,4 +1,4 @@
-//! Lenses: where a point comes to lie in an image.
+//! Lenses: the pixel at which a point is imaged.
 //!
 //! Owns the whole path from a point in optical axes (x right, y down, z forward, metres) to a pixel of the raw image, for the models of
 //! ROS and OpenCV. Must not know messages. Sources: OpenCV, Camera Calibration and 3D Reconstruction (radial, tangential, thin
@@ -84,7 +84,7 @@ impl Lens {
         Some(lens)
     }
 
-    /// The pixel (u to the right, v down) that a point in optical axes comes to lie at. `None` behind a lens without fisheye, beyond
+    /// The pixel (u to the right, v down) at which a point in optical axes is imaged. `None` behind a lens without fisheye, beyond
     /// where the model folds, and for points at the centre or not finite.
     pub fn project(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
         let aside = point.xy().norm();
@@ -181,7 +181,7 @@ mod tests {
     fn thin_prisms_and_a_quotient_add_their_parts() {
         let d = [0.3, -0.2, 0.0, 0.0, 0.1, 0.3, -0.2, 0.1, 0.01, 0.002, -0.03, 0.004];
         let lens = Lens::new(&K, "rational_polynomial", &d).unwrap();
-        // The quotient of equal polynomials is 1: what is left are the prisms, at r2 = 0.25.
+        // The quotient of equal polynomials is 1: only the prisms remain, at r2 = 0.25.
         let (xd, yd) = (0.5 + 0.01 * 0.25 + 0.002 * 0.0625, -0.03 * 0.25 + 0.004 * 0.0625);
         near(
             lens.project(&Vector3::new(1.0, 0.0, 2.0)),

@@ -1,6 +1,6 @@
 //! How far from level an orientation is, under two orders of its four numbers.
 //!
-//! Owns the tilt and what follows from many of them. Gives numbers and no verdict. Up and down are one here: a body whose
+//! Owns the tilt and what follows from many of them. Gives numbers and no verdict. Up and down are equal here: a body whose
 //! z points down is level. Must not know which message held the numbers. Radians. Source: `rules/quat/quaternion-order-static.md`.
 
 use nalgebra::UnitQuaternion;
@@ -24,13 +24,13 @@ pub struct Level {
     pub tilt_rad: f64,
     /// One tenth of them is tilted by no more than this, radians.
     pub least_rad: f64,
-    /// From the leftmost to the rightmost yaw, as far as they lie within half a turn of the first, radians.
+    /// From the leftmost to the rightmost yaw, as far as they are within half a turn of the first, radians.
     pub turned_rad: f64,
     /// How many orientations counted.
     pub rows: usize,
 }
 
-/// The tilts of `world_from_sensor` quaternions in the slots x, y, z, w, of a body on which the sensor is turned by
+/// The tilts of `world_from_sensor` quaternions in the slots x, y, z, w, of a body on which the sensor is rotated by
 /// `body_from_sensor`. `None` where none of them is a rotation.
 pub fn level(
     slots: impl IntoIterator<Item = [f64; 4]>,
@@ -41,7 +41,7 @@ pub fn level(
     for world_from_sensor in slots.into_iter().filter_map(|slots| reading.world_from_body(slots)) {
         let q = world_from_sensor * body_from_sensor.inverse();
         tilts.push(tilt(&q));
-        // The twist about z alone, of what hangs upside down after half a turn about x: there z and w hold noise.
+        // The twist about z alone, of a sensor that is upside down, rotated by half a turn about x: there z and w hold noise.
         let yaw = if q.i.hypot(q.j) > q.k.hypot(q.w) {
             2.0 * q.j.atan2(q.i)
         } else {

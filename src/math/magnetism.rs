@@ -1,4 +1,4 @@
-//! The magnetic declination: how far magnetic north lies from true north.
+//! The magnetic declination: the angle from true north to magnetic north.
 //!
 //! Owns one number of a place, from the crate `world_magnetic_model` (coefficients in the program, no file). Source: NOAA and BGS, The US/UK World
 //! Magnetic Model for 2025-2030.
@@ -10,7 +10,7 @@ use world_magnetic_model::GeomagneticField;
 use world_magnetic_model::time::Date;
 use world_magnetic_model::uom;
 
-/// The declination at a place at sea level at the beginning of a year from 2020 on, degrees: positive where magnetic north lies east of true north.
+/// The declination at a place at sea level at the beginning of a year from 2020 on, degrees: positive where magnetic north is east of true north.
 /// It moves by up to about 0.2 degrees a year. `None` for places that are no places, and near the magnetic poles, where it means nothing.
 pub fn declination_deg(latitude_deg: f64, longitude_deg: f64, year: i32) -> Option<f64> {
     if !(latitude_deg.abs() <= 85.0 && longitude_deg.abs() <= 180.0) {

@@ -8,8 +8,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 /// Square degrees in a square radian.
 pub const DEG2_PER_RAD2: f64 = (180.0 / std::f64::consts::PI) * (180.0 / std::f64::consts::PI);
 
-/// The fourth difference of five values at even times, as long as the noise of one of them: motion up to the third power
-/// of time falls out, white noise keeps its variance.
+/// The fourth difference of five evenly spaced values, scaled to the noise of one of them: motion up to the third power
+/// of time cancels, white noise keeps its variance.
 pub fn fourth_difference([a, b, c, d, e]: [Vector3<f64>; 5]) -> Vector3<f64> {
     (a - b * 4.0 + c * 6.0 - d * 4.0 + e) / 70f64.sqrt()
 }
@@ -31,7 +31,7 @@ impl Ellipse {
         let (mean, half) = (f64::midpoint(xx, yy), (xx - yy) / 2.0);
         let radius = half.hypot(xy);
         let least = mean - radius;
-        // Rounding leaves a line with a least eigenvalue just under 0.
+        // By rounding, a line may have a least eigenvalue just under 0.
         if !(mean.is_finite() && radius.is_finite()) || mean <= 0.0 || least < -1e-9 * mean {
             return None;
         }

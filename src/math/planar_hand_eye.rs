@@ -1,4 +1,4 @@
-//! Where a sensor sits on a body, by the motions of both in one plane: AX = XB in SE(2).
+//! The mounting of a sensor on a body, from the motions of both in one plane: AX = XB in SE(2).
 //!
 //! Owns the least squares, which are linear in the place and in cosine and sine of the yaw, and their errors by the jackknife. Metres
 //! and radians. Source: `rules/cross/hand-eye.md`; the jackknife after Efron and Tibshirani (1993), chapter 11.
@@ -12,14 +12,14 @@ const GROUPS: usize = 10;
 /// Pairs farther off than this many medians are left out once.
 const OUTLIER: f64 = 4.0;
 
-/// Where the sensor sits.
+/// The mounting of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounted {
     /// `body_from_sensor`: its yaw, radians, and its place, metres.
     pub yaw_rad: f64,
     /// x and y on the body, metres of the sensor.
     pub place: Vector2<f64>,
-    /// How far the body goes for a metre of the sensor.
+    /// Metres that the body moves for a metre of the sensor.
     pub scale: f64,
     /// Standard errors of yaw, x and y.
     pub sigma: [f64; 3],
@@ -84,7 +84,7 @@ fn scale(solution: &Vector4<f64>) -> f64 {
     solution.x.hypot(solution.y)
 }
 
-/// The lever arm that explains motions that are told too long is too long as well.
+/// The lever arm that explains motions that are published too long is too long as well.
 fn place(solution: &Vector4<f64>) -> Vector2<f64> {
     Vector2::new(solution.z, solution.w) / scale(solution)
 }
@@ -176,7 +176,7 @@ mod tests {
         let mount = Isometry2::new(Vector2::new(0.7, -0.2), 0.3);
         let mut all = pairs(&mount, 80, 0.1, [0.005, 0.001], &mut rng);
         for pair in all.iter_mut().step_by(20) {
-            // A match that stayed where it was.
+            // A match that did not move.
             pair.1 = Isometry2::identity();
         }
         all.push((Isometry2::new(Vector2::new(f64::NAN, 0.0), 0.0), Isometry2::identity()));
@@ -202,7 +202,7 @@ mod tests {
         );
     }
 
-    /// Wheels that are smaller than their odometry takes them for.
+    /// Wheels that are smaller than their odometry assumes.
     #[test]
     fn a_body_that_counts_its_way_short_does_not_move_the_sensor() {
         let mut rng = Rng::new(6);

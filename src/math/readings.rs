@@ -1,14 +1,14 @@
 //! The ways to read four published numbers as a rotation.
 //!
-//! Owns the four readings of a quaternion that data can tell apart. Must not know how: see [`turns`](super::turns) and
+//! Owns the four readings of a quaternion that data can distinguish. Must not know how: see [`turns`](super::turns) and
 //! [`gravity`](super::gravity). Source: `rules/quat/quaternion-convention.md`.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// How the four numbers that a message holds in its slots x, y, z, w are meant.
+/// The meaning of the four numbers in the slots x, y, z, w of a message.
 ///
 /// A conjugate is a quaternion of the other algebra (JPL) read as Hamilton's, or the rotation from world to body where
-/// that from body to world is promised: the same four numbers, so no data can tell these two apart.
+/// that from body to world is expected: the same four numbers, so no data can distinguish these two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reading {
     /// As the slots say, `world_from_body`: the convention of ROS.
@@ -22,7 +22,7 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// Every reading, the promised one first.
+    /// Every reading, the standard one first.
     pub const ALL: [Reading; 4] = [Reading::Xyzw, Reading::Conjugate, Reading::Wxyz, Reading::WxyzConjugate];
 
     /// The stable word of this reading, as used in reports.

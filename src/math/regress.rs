@@ -28,7 +28,7 @@ pub struct Line {
     pub standard_error: Option<f64>,
     /// slope / standard error. `None` without one, or for a perfect fit.
     pub t: Option<f64>,
-    /// The standard deviation of what the line leaves of y: robust in a robust fit.
+    /// The standard deviation of the residuals of y: robust in a robust fit.
     pub residual_sd: f64,
     /// How many pairs.
     pub count: usize,
@@ -105,7 +105,7 @@ pub fn median_slope(pairs: &[(f64, f64)]) -> Option<f64> {
 
 /// Upper bound of a slope whose x is noisy too, where that bound reaches 1 to within `share` and the slope itself does not: noise of
 /// x shrinks a slope, and the regression of x on y, `slope / correlation^2`, bounds it from above (Frisch's bounds). `None` where
-/// the slope is not between 0 and 1, or its bound is beneath 1 as well: then noise does not explain that it is not 1.
+/// the slope is not between 0 and 1, or its bound is below 1 as well: then noise does not explain that it is not 1.
 pub fn bound_that_reaches_one(slope: f64, correlation: f64, share: f64) -> Option<f64> {
     let upper = slope / correlation.powi(2);
     (slope > 0.0 && slope < 1.0 && upper * (1.0 + share) > 1.0).then_some(upper)

@@ -1,7 +1,7 @@
-//! When an inertial sensor is at rest.
+//! When an IMU is at rest.
 //!
-//! Owns the windows in which neither force nor rate moves. A vehicle at constant speed on a smooth road rests as well to
-//! an inertial sensor: where a speed is known, the caller asks that too. Seconds, rad/s, m/s^2.
+//! Owns the windows in which force and rate are constant. To an IMU, a vehicle at constant speed on a smooth road is at
+//! rest as well: where a speed is known, the caller checks it too. Seconds, rad/s, m/s^2.
 //! Source: the limits are those of [`Options::default`].
 
 use nalgebra::Vector3;

@@ -1,8 +1,8 @@
-//! Rotation forms and the health of a matrix that says it is a rotation.
+//! Forms of rotations, and the validity of a matrix that should be a rotation.
 //!
 //! Owns: fixed-axis rpy, a pose of its two halves, the angle between rotations, the diagnosis of a raw 3x3 (determinant, orthogonality, nearest
 //! rotation, mirror, scale) and how much of an error its printed digits explain. Must not know where the numbers came
-//! from or how bad is bad: severities are a rule's business. Nothing here assumes that its input is a rotation unless
+//! from or how severe an error is: rules decide that. Nothing here assumes that its input is a rotation unless
 //! the type says so.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -15,14 +15,14 @@ pub fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
 
 /// The fixed-axis `(roll, pitch, yaw)` of a rotation, in radians: `from_rpy` of it is the same rotation.
 ///
-/// Roll and yaw lie in -pi..=pi, pitch in -pi/2..=pi/2. At pitch = +-pi/2 only roll -+ yaw is defined and yaw is set
+/// Roll and yaw are in -pi..=pi, pitch in -pi/2..=pi/2. At pitch = +-pi/2 only roll -+ yaw is defined and yaw is set
 /// to 0, as tf2 does. Never compare rotations by these numbers: two different triples can be one rotation.
 pub fn to_rpy(rotation: &UnitQuaternion<f64>) -> (f64, f64, f64) {
     let m = rotation.to_rotation_matrix();
     let m = m.matrix();
     let cos_pitch = m.m11.hypot(m.m21);
     let pitch = (-m.m31).atan2(cos_pitch);
-    // Below this the entries that hold roll and yaw are rounding noise. A literal of 1.5708 leaves 4e-6.
+    // Below this the entries that hold roll and yaw are rounding noise. A literal of 1.5708 is off by 4e-6.
     if cos_pitch < 1e-9 {
         return ((-m.m23).atan2(m.m22), pitch, 0.0);
     }
@@ -127,7 +127,7 @@ fn finite(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     m.iter().all(|v| v.is_finite()).then_some(*m)
 }
 
-/// One axis negated, or two axes exchanged: the ways a right-handed triad becomes left-handed by one slip.
+/// One axis negated, or two axes exchanged: the ways a right-handed triad becomes left-handed by one error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Flip {
     /// The first column (the child's x axis, seen from the parent) is negated.
@@ -181,7 +181,7 @@ impl Flip {
         }
     }
 
-    /// The matrix with this slip undone. Each flip is its own inverse.
+    /// The matrix with this error undone. Each flip is its own inverse.
     pub fn undo(self, m: &Matrix3<f64>) -> Matrix3<f64> {
         let diag = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
         let mut r = *m;
@@ -207,13 +207,13 @@ pub enum Diagnosis {
     Proper,
     /// Orthogonal with determinant -1: a mirror image, which no rotation of a rigid body is.
     ///
-    /// Undoing *any* flip of an exact reflection gives a proper rotation, so the matrix alone can't say which axis was
-    /// negated (the smallest residual is 0 for all). `flip` is the one that leaves the smallest angle to
+    /// Undoing *any* flip of an exact reflection gives a proper rotation, so the matrix alone cannot show which axis was
+    /// negated (the smallest residual is 0 for all). `flip` is the one with the smallest remaining angle to
     /// the reference; `residual_rad` is that angle.
     Reflection {
-        /// The flip that leaves the smallest rotation relative to the reference.
+        /// The flip with the smallest remaining rotation relative to the reference.
         flip: Flip,
-        /// The angle that is left after undoing it, in radians.
+        /// The residual angle after undoing it, in radians.
         residual_rad: f64,
     },
     /// A positive multiple of a rotation: all singular values equal, and not 1 (a similarity, or a unit mix).

@@ -1,7 +1,7 @@
 //! The motion between two scans of one plane.
 //!
 //! Owns the iterative closest point, point to line (Censi 2008), and how sure each of its three numbers is. Metres and radians in the
-//! sensor's axes. What the points are, which scans to compare, and what moves by itself is the caller's.
+//! sensor's axes. The caller decides what the points are, which scans to compare, and what moves by itself.
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 use rstar::RTree;
@@ -21,13 +21,13 @@ const REACH_M: [f64; 2] = [1.0, 0.2];
 const NARROWING: u32 = 8;
 /// Rounds of matching.
 const ROUNDS: u32 = 16;
-/// A step shorter than this is none, metres and radians.
+/// A step shorter than this counts as none, metres and radians.
 const STILL: f64 = 1e-5;
-/// Points of a source that are asked.
+/// Points of a source that are used.
 const ASKED: usize = 400;
 /// Pairs that are needed.
 const LEAST: usize = 30;
-/// What is left of the information in a direction that only noise tells.
+/// The information in a direction that only noise determines.
 const UNKNOWN: f64 = 1e-6;
 /// The least share of the source that must find its line.
 const OVERLAP: f64 = 0.4;
@@ -55,7 +55,7 @@ pub struct Matched {
     pub motion: Isometry2<f64>,
     /// Standard error of its angle, radians.
     pub sigma_rad: f64,
-    /// Standard error of its translation in the direction that is the least sure, metres.
+    /// Standard error of its translation in the least certain direction, metres.
     pub sigma_m: f64,
     /// Median distance of matched points from their lines, metres.
     pub residual_m: f64,
@@ -162,7 +162,7 @@ pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<M
     })
 }
 
-/// A point of the source and the line that it lies on.
+/// A point of the source and the line that it is on.
 struct Pair {
     place: Vector2<f64>,
     normal: Vector2<f64>,
@@ -211,9 +211,8 @@ fn normal_equations(pairs: &[Pair]) -> (Matrix3<f64>, Vector3<f64>, f64) {
     (information, gradient, squares)
 }
 
-/// The information that is left without what normals seem to tell because they point wrongly: walls of a corridor tell nothing of
-/// the way along it, and the noise of their normals does (errors in variables; Fuller 1987, chapter 2). Directions in which that is
-/// half of all, or more, are not known.
+/// The information without the part that noisy normals pretend: the walls of a corridor give none along it, but the noise of their
+/// normals does (errors in variables; Fuller 1987, chapter 2). Directions in which that part is half or more are undetermined.
 fn sure(information: &Matrix3<f64>, pairs: &[Pair]) -> Option<Matrix3<f64>> {
     let of_noise: Matrix3<f64> = pairs
         .iter()

@@ -1,4 +1,4 @@
-//! On which side of an orientation a constant stands: `B = C * A` changes the world, `B = A * C` changes the body.
+//! On which side of an orientation a constant factor is: `B = C * A` changes the world, `B = A * C` changes the body.
 //!
 //! Owns the two constants and how constant they are. Gives numbers and no verdict. Radians. Source:
 //! `rules/quat/left-vs-right-multiplication.md`; the mean is that of Markley et al., Averaging quaternions, J. Guidance, Control, and Dynamics 30(4), 2007.
@@ -19,14 +19,14 @@ pub struct Constant {
 /// Two orientations of one time, `A` and `B`, each `world_from_body`.
 pub type Pair = (UnitQuaternion<f64>, UnitQuaternion<f64>);
 
-/// What stands between two series of orientations.
+/// The constant factors between two series of orientations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sides {
     /// `C` of `B = C * A`: the world of `B` from the world of `A`.
     pub left: Constant,
     /// `C` of `B = A * C`: the body of `A` from the body of `B`.
     pub right: Constant,
-    /// The largest angle of an `A` to the mean of all, radians: small angles tell no side.
+    /// The largest angle of an `A` to the mean of all, radians: small angles determine no side.
     pub turned_rad: f64,
 }
 

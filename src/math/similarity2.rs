@@ -1,7 +1,7 @@
-//! Fitting one plane track onto another: turn, scale and shift, with and without a mirror.
+//! Fitting one plane track onto another: rotation, scale and shift, with and without a mirror.
 //!
 //! Owns the least-squares similarity of two lists of points in the plane, and the spread of one list. Must not know
-//! which list is odometry and which is GNSS, nor how much better a mirror must fit to be believed. Metres, radians.
+//! which list is odometry and which is GNSS, nor how much better a mirror must fit to be accepted. Metres, radians.
 //! Source: Umeyama, Least-squares estimation of transformation parameters between two point patterns, IEEE TPAMI 13(4),
 //! 1991. In two dimensions his problem is linear: with points as complex numbers a proper similarity is
 //! `target = c * source + t`, a mirrored one `target = c * conj(source) + t`.
@@ -38,7 +38,7 @@ pub struct Similarity2 {
 }
 
 impl Similarity2 {
-    /// The angle of the line that a mirror leaves in place, -pi/2..=pi/2, measured from the source's x axis towards y:
+    /// The angle of the line that a mirror keeps in place, -pi/2..=pi/2, measured from the source's x axis towards y:
     /// 0 = y negated, 45 degrees = x and y exchanged, +-90 degrees = x negated. `None` for a turn.
     pub fn axis_rad(&self) -> Option<f64> {
         (self.sense == Sense::Improper).then_some(self.angle_rad / 2.0)
@@ -88,7 +88,7 @@ pub fn fit_similarities(source_m: &[Vector2<f64>], target_m: &[Vector2<f64>]) ->
         return None;
     }
     let n = source_m.len() as f64;
-    // Means first: coordinates of a map grid are 10^6 m, and their squares would eat the centimetres.
+    // Means first: coordinates of a map grid are 10^6 m, and their squares would lose the centimetres.
     let (source_mean, target_mean) = (mean(source_m)?, mean(target_m)?);
     let (mut aa, mut bb) = (0.0, 0.0);
     let (mut turn, mut mirror) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
@@ -103,7 +103,7 @@ pub fn fit_similarities(source_m: &[Vector2<f64>], target_m: &[Vector2<f64>]) ->
         return None;
     }
     let fit = |sense, correlation: Complex<f64>| {
-        // Rounding can leave a little less than nothing.
+        // Rounding may make it slightly negative.
         let sse_m2 = (bb - correlation.norm_sqr() / aa).max(0.0);
         let mut fit = Similarity2 {
             sense,

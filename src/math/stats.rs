@@ -32,7 +32,7 @@ pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
 fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let at = q * last as f64;
-    // `at` lies in 0..=last, so the cast neither truncates a large number nor meets a negative one.
+    // `at` is in 0..=last, so the cast neither truncates a large number nor meets a negative one.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let below = (at.floor() as usize).min(last);
     let low = *sorted.get(below)?;

@@ -1,7 +1,7 @@
 //! The plane that everything in a cloud stands on.
 //!
-//! Owns the search for it in the points of one scan, and what speaks for it: the cells of the sensor's view that lie on it, what
-//! lies beneath and above. Gives numbers and no verdict: a ceiling seen from below is such a plane in a cloud that is upside down.
+//! Owns the search for it in the points of one scan, and the evidence for it: the cells of the sensor's view on it, what
+//! is below and above. Gives numbers and no verdict: a ceiling seen from below is such a plane in a cloud that is upside down.
 //! Metres, in the sensor's axes; the origin is the sensor. On real recordings
 //! beams near the horizon make false planes. The search is RANSAC (Fischler and Bolles 1981), its triples from a
 //! fixed sequence, then least squares over the inliers.
@@ -18,7 +18,7 @@ use crate::math::stats::quantile;
 pub struct Options {
     /// Points farther away are left out, metres.
     pub reach_m: f64,
-    /// The normal may lean from the direction asked for by this, radians.
+    /// The normal may deviate from the requested direction by this, radians.
     pub max_tilt_rad: f64,
     /// Points within this of the plane lie on it, metres.
     pub tolerance_m: f64,
@@ -52,11 +52,11 @@ pub struct Support {
     pub height_m: f64,
     /// Points within reach.
     pub points: usize,
-    /// Share of them that lie on the plane.
+    /// Share of them that are on the plane.
     pub on: f64,
-    /// Share of them that lie clearly beneath it.
+    /// Share of them that are clearly below it.
     pub below: f64,
-    /// Share of them that lie clearly above it.
+    /// Share of them that are clearly above it.
     pub above: f64,
     /// Cells of the view, 10 degrees wide and an octave of range deep, of which a point lies on the plane.
     pub cells: usize,
@@ -149,8 +149,8 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
     })
 }
 
-/// Share of the ways around, of those with any point, in which the highest beams meet nothing: those within `band_rad` of the highest.
-/// Ways that so few points would leave out by chance, were they all around, do not count. `None` where the highest beam looks up by less
+/// Share of the sectors, of those with any point, in which the highest beams meet nothing: those within `band_rad` of the highest.
+/// Sectors that so few points would miss by chance do not count. `None` where the highest beam looks up by less
 /// than `least_rad`.
 pub fn open_above(points: &[Vector3<f64>], up: &Vector3<f64>, band_rad: f64, least_rad: f64) -> Option<f64> {
     let frame = Frame::of(up);
@@ -223,7 +223,7 @@ impl Frame {
         }
     }
 
-    /// Which of the ways around a point lies.
+    /// Which of the sectors a point is in.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to their number
     fn sector(&self, point: &Vector3<f64>) -> usize {
         let azimuth = point.dot(&self.y).atan2(point.dot(&self.x)) + PI;
@@ -241,7 +241,7 @@ impl Frame {
         along.atan2((point - self.up * along).norm())
     }
 
-    /// The cell of a point: which way it lies, and the octave of its range.
+    /// The cell of a point: its direction, and the octave of its range.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of cells
     fn cell(&self, point: &Vector3<f64>) -> usize {
         let octave = point.norm().max(1e-3).log2().floor().clamp(FIRST_OCTAVE, LAST_OCTAVE) - FIRST_OCTAVE;
@@ -278,7 +278,7 @@ impl Cells {
         }
     }
 
-    /// In how many cells a point lies on a plane, and how many points lie clearly beneath it.
+    /// In how many cells a point is on a plane, and how many points are clearly below it.
     fn on(&mut self, normal: &Vector3<f64>, height_m: f64, options: &Options) -> (usize, usize) {
         self.planes += 1;
         let [a, b, c]: [f64; 3] = (*normal).into();

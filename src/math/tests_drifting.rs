@@ -25,7 +25,7 @@ fn an_arc_is_a_straight_that_drifts() {
         let (times, drifted) = arc(rate, 5.0, 150);
         let straight: Vec<_> = times.iter().map(|t| Vector2::new(0.6 * t, -4.0 * t)).collect();
         let without = fit_similarities(&drifted, &straight).unwrap().proper;
-        // Of a small drift a parabola is left, the way times the angle over the root of 720.
+        // The residual of a small drift is a parabola: the distance times the angle over the root of 720.
         assert!((without.rms_m / (straight[1500].norm() * rate.abs() * 150.0 / 720f64.sqrt()) - 1.0).abs() < 0.05);
         let fits = fit_drifting(&times, &drifted, &straight, 0.004).unwrap();
         assert!(

@@ -23,7 +23,7 @@ fn every_error_is_found_where_it_is_made() {
     assert!(shown(&place, &right, WITHIN).is_empty());
 }
 
-/// Rounding leaves the trace of a difference that is none over 3 at some places.
+/// Rounding makes the trace of a zero difference exceed 3 at some places.
 #[test]
 fn errors_are_found_by_themselves_all_over_the_earth() {
     for (latitude, longitude) in

@@ -92,7 +92,7 @@ fn north_east_down_points_down_and_says_how_surely() {
     let found = gravity(&[rows(20, frd, down)], 1.0, 5f64.to_radians()).unwrap();
     let as_published = found.mean(Reading::Xyzw).unwrap();
     assert!((as_published.mean_m_s2 + UP).norm() < 1e-9 && (as_published.from_up_rad - PI).abs() < 1e-9);
-    // A level platform cannot tell the conjugate: both point down, and no time was spent tilted.
+    // A level platform cannot distinguish the conjugate: both point down, and no time was spent tilted.
     let conjugate = found.mean(Reading::Conjugate).unwrap();
     assert!(conjugate.median_from_down_rad < 0.05 && found.tilted_s == 0.0);
 }

@@ -36,7 +36,7 @@ fn rpy_is_the_product_that_urdf_states() {
     let product =
         Rotation3::new(Vector3::z() * y) * Rotation3::new(Vector3::y() * p) * Rotation3::new(Vector3::x() * r);
     assert!(distance(&from_rpy(r, p, y), &product) < 1e-14);
-    // At the poles only one angle is left, and yaw is the one set to zero.
+    // At the poles only one angle is defined, and yaw is the one set to zero.
     for pitch in [FRAC_PI_2, -FRAC_PI_2] {
         let q = from_rpy(0.4, pitch, 1.1);
         let (roll, back, yaw) = to_rpy(&q);

@@ -72,7 +72,7 @@ impl Options {
 /// The lags are sought in no more windows than about this, spread evenly.
 const MOST_SEARCHED: usize = 500;
 
-/// What the windows say. Turns are rotation vectors in the body's axes: d by the orientation, g by the gyro.
+/// The result of the windows. Turns are rotation vectors in the body's axes: d by the orientation, g by the gyro.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turns {
     /// How many windows.
@@ -83,7 +83,7 @@ pub struct Turns {
     pub covered_s: f64,
     /// The sum of |g| over active windows, counted once where windows overlap: radians of rotation.
     pub rotation_rad: f64,
-    /// The root mean square of |g - mean g| over all windows, radians: what R2 lives on. Steady turning has none.
+    /// The root mean square of |g - mean g| over all windows, radians: the variation that R2 needs. Steady turning has none.
     pub varying_rms_rad: f64,
     /// The root mean square of the gyro's rate about each axis over active windows, rad/s.
     pub axis_rms_rad_s: [f64; 3],
@@ -100,12 +100,12 @@ pub struct Turns {
 pub struct Score {
     /// The reading.
     pub reading: Reading,
-    /// How late the orientation is against the gyro, seconds: of the lags tried, that of the largest R2.
+    /// How late the orientation is relative to the gyro, seconds: of the lags tried, that of the largest R2.
     pub lag_s: f64,
     /// 1 - sum |e - mean e|^2 / sum |g - mean g|^2 over all windows, with e = d - g: a constant bias of the gyro falls
-    /// out. 1 = perfect, 0 = says nothing, -3 = opposite. Not finite when the gyro's turns do not vary.
+    /// out. 1 = perfect, 0 = no information, -3 = opposite. Not finite when the gyro's turns do not vary.
     pub r2: f64,
-    /// sqrt(sum |d - g|^2 / sum |g|^2) over active windows: 0 = perfect, 1 = says nothing, 2 = opposite. Not finite
+    /// sqrt(sum |d - g|^2 / sum |g|^2) over active windows: 0 = perfect, 1 = no information, 2 = opposite. Not finite
     /// without active windows.
     pub residual: f64,
     /// The same with no lag taken out, as the table of real recordings was measured.
@@ -115,12 +115,12 @@ pub struct Score {
     pub bias_rad_s: Vector3<f64>,
     /// The lag of all numbers that follow, seconds: of the lags tried, that at which d is best explained by s, the plain
     /// integral of the rate, with any turn or mirror of the axes and any gain. Equal to `lag_s` where the reading and
-    /// the gyro's axes are right; of use where they are not.
+    /// the gyro's axes are right; useful where they are not.
     pub match_lag_s: f64,
     /// sum d . s / sum s . s over active windows: 1 when the units agree, 1/57.3 for a gyro in degrees/s (s does not
     /// wrap), negative when the sense is reversed. Not finite without active windows.
     pub gain: f64,
-    /// sum d . s / sqrt(sum d . d sum s . s) over active windows: how far the gain can be believed. -1..=1.
+    /// sum d . s / sqrt(sum d . d sum s . s) over active windows: how reliable the gain is. -1..=1.
     pub gain_correlation: f64,
     /// The correlation of d and s about each axis over active windows, -1..=1; `None` without variation.
     pub axis_correlation: [Option<f64>; 3],
@@ -165,7 +165,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
     let steps = (options.max_lag_s / options.lag_step_s).clamp(0.0, 1000.0).floor();
     #[allow(clippy::cast_possible_truncation)]
     let steps = if steps.is_finite() { steps as i32 } else { 0 };
-    // A few hundred windows tell the lag as well as all do.
+    // A few hundred windows determine the lag as well as all do.
     let nth = windows.len().div_ceil(MOST_SEARCHED);
     let mut best = Reading::ALL.map(|_| Best::default());
     let seconds = |lag: i32| f64::from(lag) * options.lag_step_s;

@@ -1,4 +1,4 @@
-//! The universal transverse Mercator grid, with what it does to directions and lengths.
+//! The universal transverse Mercator grid, and its effect on directions and lengths.
 //!
 //! Owns the projection from geodetic places, meridian convergence and point scale. Must not know whether a map uses it.
 //! Radians, metres, WGS 84. Source: Krueger 1912, series in the third flattening to the sixth order, as in Karney,
@@ -24,8 +24,8 @@ pub struct Utm {
     pub easting_m: f64,
     /// Metres.
     pub northing_m: f64,
-    /// The bearing of the grid's north, clockwise from true north, radians. Seen on the grid, a true direction is turned
-    /// counter-clockwise by it: a turn fitted from east-north coordinates to the grid has this angle.
+    /// The bearing of the grid's north, clockwise from true north, radians. Seen on the grid, a true direction is rotated
+    /// counter-clockwise by it: a rotation fitted from east-north coordinates to the grid has this angle.
     pub convergence_rad: f64,
     /// Metres on the grid per metre on the ellipsoid.
     pub scale: f64,
@@ -34,7 +34,7 @@ pub struct Utm {
 /// The zone of a place, with the exceptions of Norway and Svalbard. `None` beyond 84 degrees north or 80 south.
 pub fn zone(place: &Geodetic) -> Option<u8> {
     let lat = place.latitude_rad.to_degrees();
-    // A hair of grace: 6 degrees in radians and back is not always 6.
+    // A small tolerance: 6 degrees in radians and back is not always 6.
     let lon = wrapped(place.longitude_rad).to_degrees() + 1e-9;
     if !((-80.0..=84.0).contains(&lat) && lon.is_finite()) {
         return None;
@@ -54,7 +54,7 @@ pub fn zone(place: &Geodetic) -> Option<u8> {
     Some(zone as u8)
 }
 
-/// The grid coordinates of a place in its own zone, or in the one that is asked for. Heights play no part.
+/// The grid coordinates of a place in its own zone, or in the requested one. Heights have no effect.
 ///
 /// Right to nanometres within 30 degrees of longitude of the zone's central meridian, and `None` beyond; `None` for no
 /// such zone, and without a zone where the place is in none.
@@ -80,7 +80,7 @@ pub fn utm(place: &Geodetic, in_zone: Option<u8>) -> Option<Utm> {
     })
 }
 
-/// (x, y, convergence, scale) with scale 1 on the central meridian, `lambda` radians east of which the place lies.
+/// (x, y, convergence, scale) with scale 1 on the central meridian, `lambda` radians east of which the place is.
 fn transverse_mercator(latitude_rad: f64, lambda: f64) -> (f64, f64, f64, f64) {
     let e = ECCENTRICITY_SQUARED.sqrt();
     let (sin_lat, cos_lat) = latitude_rad.sin_cos();

@@ -1,4 +1,4 @@
-//! The yaw of a mounting at which scans of one scene fall on each other, once they are moved as the platform moved.
+//! The yaw of a mounting at which scans of one scene coincide, once they are moved as the platform moved.
 //!
 //! Needs no match of scans: where one scan shows a few things only, many pairs of scans together still have one best yaw. Metres and
 //! radians in the plane of the ground. Which scans, and how the platform moved, is the caller's.
@@ -10,7 +10,7 @@ use crate::math::circular::{circular_mean, difference};
 
 /// Yaws that are tried: every 2 degrees.
 const TRIED: u32 = 180;
-/// Points of a scan that are asked.
+/// Points of a scan that are used.
 const ASKED: usize = 150;
 /// Farther from the nearest point of the other scan, a point counts as this far, metres: it shows something that the other does not.
 const FAR_M: f64 = 1.0;
@@ -31,7 +31,7 @@ pub struct Pair {
 /// The best yaw of a mounting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// What the mounting lacks, counterclockwise, radians.
+    /// The missing yaw of the mounting, counterclockwise, radians.
     pub yaw_rad: f64,
     /// Its standard error, by leaving out a tenth of the pairs at a time, radians.
     pub sigma_rad: f64,
@@ -41,7 +41,7 @@ pub struct Found {
     pub pairs: usize,
 }
 
-/// The yaw that `body_from_lidar` lacks; `None` without pairs that have points.
+/// The missing yaw of `body_from_lidar`; `None` without pairs that have points.
 pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) -> Option<Found> {
     let costs: Vec<Vec<f64>> = pairs
         .iter()
@@ -82,7 +82,7 @@ fn nearest(yaw_rad: f64) -> u32 {
     (0..TRIED).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
 }
 
-/// Mean square of the distances that each yaw leaves between the points of two scans.
+/// Mean square of the remaining distances between the points of two scans, for each yaw.
 fn costs(pair: &Pair, body_from_lidar: &Isometry2<f64>) -> Vec<f64> {
     let tree = RTree::bulk_load(pair.from.iter().map(|point| [point.x, point.y]).collect());
     let asked: Vec<_> = pair.to.iter().step_by(pair.to.len().div_ceil(ASKED).max(1)).collect();
@@ -123,7 +123,7 @@ fn sum_at(sums: &[f64], tried: u32) -> f64 {
     sums.get(tried as usize).copied().unwrap_or(f64::INFINITY)
 }
 
-/// How much more a yaw leaves than the best, pair by pair: mean over standard error.
+/// How much larger the residual of a yaw is than that of the best, pair by pair: mean over standard error.
 fn paired_t(costs: &[Vec<f64>], rival: u32, best: u32) -> f64 {
     let more: Vec<f64> = costs
         .iter()
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
     use crate::math::tests_support::Rng;
 
-    /// Pairs of scans of single things on a field, seen by a lidar that is turned by `true_rad` on a body that drives.
+    /// Pairs of scans of single things on a field, seen by a lidar that is rotated by `true_rad` on a body that drives.
     fn drive(true_rad: f64, things: usize, count: usize, noise_m: f64, rng: &mut Rng) -> Vec<Pair> {
         let field: Vec<Vector2<f64>> = (0..things)
             .map(|_| Vector2::new(rng.range(-40.0, 40.0), rng.range(-40.0, 40.0)))

@@ -1,7 +1,7 @@
-//! A baseline: the findings of a day, which pass from then on. New ones, and old ones that have grown, do not.
+//! A baseline: known findings, which are accepted. New ones, and known ones that have become worse, are not.
 //!
-//! An entry knows its finding by rule, subject, file and relation: lines may move. It keeps the leading number, so that a
-//! finding that has become much worse is a new one.
+//! An entry identifies its finding by rule, subject, file and relation: lines may move. It keeps the first measured number, so that
+//! a finding that has become much worse is a new one.
 
 use std::collections::BTreeMap;
 
@@ -13,11 +13,11 @@ use crate::verdict::{Finding, Measured, Verdict};
 
 use super::{Context, Exception, Scope};
 
-/// Name of the document's form.
+/// Name of the document's schema.
 pub const SCHEMA: &str = "frames-lint-baseline/1";
 
 /// A known finding is the same as long as its distance from the limit has not grown by more than half: repeated recordings of one
-/// fault differ by less, and a fault that was remade differs by more.
+/// fault differ by less, and a new fault differs by more.
 const MAX_GROWTH: f64 = 1.5;
 
 /// The document.
@@ -42,13 +42,13 @@ pub struct Entry {
     pub path: String,
     /// The relation that explains the difference, or nothing.
     pub relation: Option<String>,
-    /// How many findings are alike in all this.
+    /// How many findings share all this.
     pub count: usize,
     /// The most places that one of them has: a finding that sums up more of them is a new one.
     pub places: usize,
-    /// The leading numbers, one for each of them, the worst first.
+    /// The first measured number of each of them, the worst first.
     pub measured: Vec<Number>,
-    /// What it said, for the reader.
+    /// Its message, for the reader.
     pub message: String,
 }
 
@@ -62,7 +62,7 @@ pub struct Number {
     pub value: Option<f64>,
     /// Its unit.
     pub unit: String,
-    /// The limit that it was held against.
+    /// The limit that it was compared with.
     pub limit: Option<f64>,
 }
 
@@ -77,7 +77,7 @@ impl Number {
         }
     }
 
-    /// How far the value lies from its limit, or from zero.
+    /// How far the value is from its limit, or from zero.
     fn excess(&self) -> Option<f64> {
         Some((self.value? - self.limit.unwrap_or(0.0)).abs())
     }
@@ -97,18 +97,18 @@ impl Number {
 /// A finding that a baseline accepts.
 #[derive(Clone, Debug)]
 pub struct Accepted {
-    /// What it is known by.
+    /// Its identity.
     pub identity: Identity,
-    /// How many like it.
+    /// How many such findings.
     pub count: usize,
     /// The most places that it may have.
     pub places: usize,
-    /// The worst leading number.
+    /// The worst first number.
     pub worst: Option<Number>,
 }
 
 impl Accepted {
-    /// Whether this is the finding, whatever it has grown to.
+    /// Whether this is the finding, of any size.
     pub(super) fn was(&self, finding: &Finding, context: &Context) -> bool {
         self.identity == identity(finding, context)
     }
@@ -131,10 +131,10 @@ fn identity(finding: &Finding, context: &Context) -> Identity {
     })
 }
 
-/// The baseline that accepts what a verdict found: everything that counts for somebody, and that no waiver accepts.
+/// The baseline that accepts the findings of a verdict that no waiver accepts.
 pub fn of(verdict: &Verdict, context: &Context) -> Document {
     let mut groups: BTreeMap<Identity, Vec<&Finding>> = BTreeMap::new();
-    // What a baseline itself had accepted belongs into the next one.
+    // What a baseline had accepted is part of the next one.
     let own = |finding: &&Finding| finding.waived.as_ref().is_none_or(|waived| waived.reason == REASON);
     for finding in verdict
         .findings
@@ -171,7 +171,7 @@ pub fn of(verdict: &Verdict, context: &Context) -> Document {
     }
 }
 
-/// Accepts what the baseline that was just written to `origin` holds.
+/// Accepts what the baseline that was just written to `origin` contains.
 pub fn accept_all(verdict: &mut Verdict, origin: &str) {
     let open = |finding: &&mut Finding| finding.waived.is_none() && !finding.rule.starts_with(FAMILY);
     for finding in verdict.findings.iter_mut().filter(open) {
@@ -188,7 +188,7 @@ pub fn accept_all(verdict: &mut Verdict, origin: &str) {
 /// Why findings of a baseline are accepted.
 pub const REASON: &str = "known before this baseline was written";
 
-/// The acceptances of a baseline. `place` and `origin` say where the entry with a number stands.
+/// The acceptances of a baseline. `place` gives the place and the origin of the entry with a number.
 pub fn exceptions(document: &Document, place: impl Fn(usize) -> (Place, String)) -> Vec<Exception> {
     let exception = |(index, entry): (usize, &Entry)| {
         let (place, origin) = place(index);

@@ -1,7 +1,7 @@
-//! Comments beside what they accept: `frames-lint: allow RULE reason`, in URDF, YAML, launch files and source code.
+//! Comments at what they accept: `frames-lint: allow RULE reason`, in URDF, YAML, launch files and source code.
 //!
-//! On a line of its own a comment is for the element or entry that follows, at the end of a line for the one that begins there;
-//! `allow-file` is for the whole file. Behind the rules, `until YYYY-MM-DD` may stand.
+//! On a line of its own a comment applies to the element or entry that follows, at the end of a line to the one that begins there;
+//! `allow-file` applies to the whole file. The rules may be followed by `until YYYY-MM-DD`.
 
 use crate::page::names_rule;
 use crate::source::{Derived, LineIndex, Place, Source, SourceKind, Span};
@@ -9,7 +9,7 @@ use crate::verdict::waiver::{Day, Misspelt, Waiver, WaiverKind};
 
 use super::{Context, Exception, Scope};
 
-/// What such a comment opens with.
+/// How such a comment starts.
 const MARK: &str = "frames-lint:";
 
 /// What begins a comment, in the languages that are read.
@@ -20,7 +20,7 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
     let mut exceptions = Vec::new();
     let mut misspelt = Vec::new();
     for source in context.sources {
-        // What stands in an expansion is read where it is written.
+        // What is in an expansion is read where it is written.
         let is_elsewhere = !source.written.is_empty();
         if is_elsewhere || source.kind == SourceKind::Configuration || !source.text.contains(MARK) {
             continue;
@@ -73,20 +73,20 @@ fn name(source: &Source) -> String {
     }
 }
 
-/// How far a comment in brackets may go on, bytes.
+/// Longest comment in brackets, bytes.
 const LONGEST: usize = 1 << 16;
 
 /// A comment to frames-lint.
 struct Comment<'t> {
-    /// What stands behind the mark.
+    /// The text after the mark.
     text: &'t str,
-    /// The mark and what stands behind it.
+    /// The mark and the text after it.
     span: Span,
-    /// Where the comment opens.
+    /// Where the comment starts.
     start: usize,
-    /// Where the line goes on behind it.
+    /// Where the line continues after it.
     end: usize,
-    /// Whether something else stands before it on its line.
+    /// Whether something else is before it on its line.
     is_trailing: bool,
 }
 
@@ -100,7 +100,7 @@ struct Allowed {
 }
 
 impl<'t> Comment<'t> {
-    /// The comment that the mark at `at` opens; `None` where it stands in no comment.
+    /// The comment that the mark at `at` starts; `None` if it is in no comment.
     fn around(text: &'t str, at: usize) -> Option<Self> {
         let line_start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
         let before = text.get(line_start..at)?;
@@ -114,7 +114,7 @@ impl<'t> Comment<'t> {
             _ => None,
         };
         let body_from = at + MARK.len();
-        // A comment in brackets may go on over lines; the words to frames-lint end with their line.
+        // A comment in brackets may continue over lines; the words to frames-lint end with their line.
         let closed = closer.and_then(|closer| {
             let near = text.as_bytes().get(body_from..)?;
             let near = near.get(..LONGEST).unwrap_or(near);
@@ -136,18 +136,18 @@ impl<'t> Comment<'t> {
     /// The rules that it allows and where, or what is wrong with it.
     fn read(&self, regions: &mut Regions, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
         if !context.comments {
-            return Err("comments do not count here: the configuration says so, or was named by --config without `comments: accept`".to_owned());
+            return Err("comments are off; `comments: accept` in the configuration turns them on".to_owned());
         }
         let mut words = self.text.split_whitespace();
         let is_file = match words.next() {
             Some("allow") => false,
             Some("allow-file") => true,
-            Some(other) => return Err(format!("`{other}` is not known; write `{MARK} allow RULE reason`")),
-            None => return Err(format!("it says nothing; write `{MARK} allow RULE reason`")),
+            Some(other) => return Err(format!("`{other}` is neither `allow` nor `allow-file`")),
+            None => return Err("it is empty".to_owned()),
         };
         let mut rules = Vec::new();
         let mut rest: Vec<&str> = words.collect();
-        // `A, B reason` and `A,B reason`: a list goes on as long as commas do.
+        // `A, B reason` and `A,B reason`: a list continues as long as there are commas.
         while !rest.is_empty() {
             let word = rest.remove(0);
             rules.extend(word.split(',').filter(|rule| !rule.is_empty()).map(str::to_owned));
@@ -156,7 +156,7 @@ impl<'t> Comment<'t> {
             }
         }
         if rules.is_empty() {
-            return Err(format!("no rule is named; write `{MARK} allow RULE reason`"));
+            return Err("it names no rule".to_owned());
         }
         for rule in &rules {
             if !context
@@ -164,7 +164,7 @@ impl<'t> Comment<'t> {
                 .iter()
                 .any(|known| names_rule(rule, known.code, known.name))
             {
-                return Err(format!("there is no rule `{rule}`; `frames-lint rules` lists them"));
+                return Err(format!("there is no rule `{rule}` (`frames-lint rules` lists them)"));
             }
         }
         let until = match rest.as_slice() {
@@ -172,14 +172,14 @@ impl<'t> Comment<'t> {
                 let day = day.trim_end_matches([',', ':', ';']);
                 let parsed = Day::parse(day);
                 rest.drain(..2);
-                Some(parsed.ok_or_else(|| format!("`{day}` is no day; write `until 2027-01-31`"))?)
+                Some(parsed.ok_or_else(|| format!("`{day}` is not a day such as `2027-01-31`"))?)
             }
             _ => None,
         };
         let reason = rest.join(" ");
         let reason = reason.trim_start_matches(['-', ':', '—', '–', ' ']).to_owned();
         if reason.is_empty() {
-            return Err("the reason is missing: say behind the rule why it is allowed here".to_owned());
+            return Err("the reason after the rule is missing".to_owned());
         }
         let region = if is_file {
             Span::new(0, usize::MAX)
@@ -196,12 +196,12 @@ impl<'t> Comment<'t> {
     }
 }
 
-/// What the comments of a text are for. Each text is looked through once, however many comments it has.
+/// The regions of a text's comments. Each text is parsed once, however many comments it has.
 struct Regions<'t> {
     text: &'t str,
     /// The elements of an XML document, in their order.
     elements: Vec<Span>,
-    /// The last comments that stand alone one behind the other, and the block behind them.
+    /// The last group of consecutive comments on their own lines, and the block after them.
     block: Option<(Span, Span)>,
 }
 
@@ -224,7 +224,7 @@ impl<'t> Regions<'t> {
         }
     }
 
-    /// The element or entry that begins on the comment's line, or behind it.
+    /// The element or entry that begins on the comment's line, or after it.
     fn of_comment(&mut self, comment: &Comment) -> Span {
         if let Some(element) = self.element(comment) {
             return element;
@@ -243,7 +243,7 @@ impl<'t> Regions<'t> {
         block
     }
 
-    /// The first element that begins on the comment's line, or behind a comment that stands alone.
+    /// The first element that begins on the comment's line, or after a comment on its own line.
     fn element(&self, comment: &Comment) -> Option<Span> {
         let from = if comment.is_trailing {
             self.text.get(..comment.start)?.rfind('\n').map_or(0, |end| end + 1)
@@ -256,14 +256,14 @@ impl<'t> Regions<'t> {
     }
 }
 
-/// The line, and the lines behind it that are indented deeper or go on with its list.
+/// The line, and the lines after it that are indented deeper or continue its list.
 fn block(text: &str, comment: &Comment) -> Span {
     let line_start = text
         .get(..comment.start)
         .map_or(0, |before| before.rfind('\n').map_or(0, |end| end + 1));
     let mut from = if comment.is_trailing { line_start } else { comment.end };
     let rest = text.get(from..).unwrap_or_default();
-    // Past empty lines and other comments.
+    // Skip empty lines and other comments.
     for line in rest.split_inclusive('\n') {
         let bare = line.trim();
         let is_comment = OPENERS.iter().any(|opener| bare.starts_with(opener)) && !bare.starts_with("- ");
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_alone_is_for_the_element_behind_it() {
+    fn a_comment_alone_is_for_the_element_after_it() {
         assert_eq!(
             region(
                 "<robot>\n  <!-- frames-lint: allow X y -->\n  <joint a=\"1\">\n    <origin/>\n  </joint>\n  <link/>\n</robot>"
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_behind_an_element_is_for_the_one_that_begins_on_its_line() {
+    fn a_comment_after_an_element_is_for_the_one_that_begins_on_its_line() {
         assert_eq!(
             region("<robot>\n  <joint><origin/> <!-- frames-lint: allow X y -->\n  </joint>\n  <link/>\n</robot>"),
             "<joint><origin/> <!-- frames-lint: allow X y -->\n  </joint>"

@@ -1,7 +1,7 @@
-//! The policy: what the user weighs otherwise, accepts and demands, laid over a verdict.
+//! The policy: severities that the user changes, findings that the user accepts, and checks that the user requires, applied to a verdict.
 //!
 //! Owns what a waiver matches and when a requirement is met. Knows no file format but that of comments and of baselines, and reads no file.
-//! Nothing is lost here: what is accepted stays in the verdict, marked.
+//! Nothing is lost: accepted findings stay in the verdict, marked.
 
 pub mod baseline;
 mod comments;
@@ -22,12 +22,12 @@ use crate::world::conventions::ends_with;
 
 use baseline::Accepted;
 
-/// What a rule's findings weigh.
+/// The severity of a rule's findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Nothing: the rule is not asked there.
+    /// None: the rule does not run there.
     Off,
-    /// This much.
+    /// This severity.
     Severity(Severity),
 }
 
@@ -41,16 +41,16 @@ impl Level {
     }
 }
 
-/// A rule that weighs otherwise, everywhere or in some files.
+/// A rule with another severity, everywhere or in some files.
 #[derive(Clone, Debug)]
 pub struct Weight {
     /// Code, name or family.
     pub rule: String,
     /// The files; all where `None`.
     pub file: Option<GlobMatcher>,
-    /// What it weighs.
+    /// The severity.
     pub level: Level,
-    /// Where that stands, in words.
+    /// Where that is written, in words.
     pub origin: String,
 }
 
@@ -79,64 +79,64 @@ pub enum Scope {
     Known(Box<Accepted>),
 }
 
-/// A rule that must have come to a judgement, or must not any more.
+/// A rule that must be evaluated, or is no longer required.
 #[derive(Clone, Debug)]
 pub struct Requirement {
     /// Code, name or family; of a family, every rule.
     pub rule: String,
     /// Subjects, without the name of the platform; any where `None`.
     pub subject: Option<GlobMatcher>,
-    /// How far it goes.
+    /// Its force.
     pub force: Force,
-    /// Where that stands, in words.
+    /// Where that is written, in words.
     pub origin: String,
 }
 
-/// How far a requirement goes.
+/// The force of a requirement.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Force {
-    /// The rule must have come to a judgement.
+    /// The rule must be evaluated.
     Always,
-    /// So it must where there is anything that the rule is about.
+    /// The rule must be evaluated if it is applicable.
     IfApplicable,
-    /// What stands before it is required no more, for this reason.
+    /// Requirements before this one no longer apply, for this reason.
     Lifted(String),
 }
 
-/// The share of the checks that apply which must have been made.
+/// The share of the applicable checks that must be evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequiredShare {
     /// From 0 to 1.
     pub share: f64,
-    /// Where that stands, in words.
+    /// Where that is written, in words.
     pub origin: String,
 }
 
-/// Everything that is laid over a verdict.
+/// Everything that is applied to a verdict.
 #[derive(Clone, Debug, Default)]
 pub struct Policy {
-    /// In their order: what stands later overrides what stands before.
+    /// In their order: later ones override earlier ones.
     pub weights: Vec<Weight>,
     /// Acceptances of the configuration and of a baseline.
     pub exceptions: Vec<Exception>,
-    /// What must have been judged; what stands later lifts what stands before.
+    /// What must be evaluated; later ones lift earlier ones.
     pub required: Vec<Requirement>,
-    /// How much must have been judged.
+    /// How much must be evaluated.
     pub share: Option<RequiredShare>,
 }
 
-/// What is known of a run when its verdict is held against the policy.
+/// What is known of a run when the policy is applied to its verdict.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// Every source, by id.
     pub sources: &'a [Arc<Source>],
-    /// Labels of the platforms, where subjects open with them.
+    /// Labels of the platforms, where subjects start with them.
     pub platforms: &'a [String],
     /// Every rule of the tool.
     pub rules: &'a [&'static Page],
-    /// Codes of the rules that were asked.
+    /// Codes of the rules that were run.
     pub asked: &'a BTreeSet<String>,
-    /// The path of a source as the baseline has it, where there is one.
+    /// The path of a source in the baseline, where there is one.
     pub known_as: Option<&'a dyn Fn(&Source) -> String>,
     /// Today.
     pub today: &'a Day,
@@ -144,7 +144,7 @@ pub struct Context<'a> {
     pub comments: bool,
 }
 
-/// What was laid over one verdict, besides the marks in it.
+/// What was applied to one verdict, apart from the marks in it.
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
     applied: Vec<(Applied, Scope)>,
@@ -152,18 +152,18 @@ pub struct Laid {
     unmet: Vec<Unmet>,
 }
 
-/// What the policy has to say of a run besides the marks in its verdict.
+/// The results of the policy in a run, apart from the marks in its verdict.
 #[derive(Clone, Debug, Default)]
 pub struct Passed {
     /// What became of every acceptance.
     pub applied: Vec<Applied>,
-    /// Comments to frames-lint that it does not understand.
+    /// Comments to frames-lint that have no effect.
     pub misspelt: Vec<Misspelt>,
-    /// What was required and not judged.
+    /// What was required and not evaluated.
     pub unmet: Vec<Unmet>,
 }
 
-/// Lays a policy, and the comments in the sources, over a verdict: everything but what is required.
+/// Applies a policy, and the comments in the sources, to a verdict: everything but requirements.
 pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
     verdict.recall();
     weigh(verdict, policy, context);
@@ -181,18 +181,18 @@ pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
 }
 
 impl Laid {
-    /// What was required and not judged, as far as it is known.
+    /// What was required and not evaluated, as far as it is known.
     pub fn unmet(&self) -> &[Unmet] {
         &self.unmet
     }
 
-    /// Whether anything is accepted, be it that nothing was found for it.
+    /// Whether anything is accepted, also without a matching finding.
     pub fn accepts(&self) -> bool {
         !self.applied.is_empty()
     }
 
-    /// Adds what is required and was not judged in these outcomes, nor in those of what stands beside. Where they are of one of
-    /// several recordings, `recording` is its label.
+    /// Adds what is required and was not evaluated in these outcomes or in those of `beside`. If they are of one of several recordings,
+    /// `recording` is its label.
     pub fn demand(
         &mut self,
         (rows, beside): (&[Row], &[Row]),
@@ -208,8 +208,8 @@ impl Laid {
         self.unmet.extend(unmet);
     }
 
-    /// Adds what was laid over another verdict of the same run: an acceptance is for both, and what is required of both and was judged
-    /// in neither for the same reasons is told once.
+    /// Adds what was applied to another verdict of the same run: an acceptance is for both, and what is required of both and was
+    /// evaluated in neither for the same reasons is reported once.
     pub fn join(&mut self, other: Self) {
         let key = |one: &Applied| (one.waiver.kind, one.waiver.origin.clone(), one.waiver.rule.clone());
         let known: BTreeMap<_, usize> = (0..).zip(&self.applied).map(|(at, (one, _))| (key(one), at)).collect();
@@ -245,7 +245,7 @@ impl Laid {
         self.misspelt.iter_mut().for_each(|one| place(&mut one.place));
     }
 
-    /// What is to be said when every verdict of the run is there.
+    /// The results when all verdicts of the run are complete.
     pub fn close(self, verdict: &Verdict, context: &Context) -> Passed {
         let mut applied = self.applied;
         for (one, scope) in applied.iter_mut().filter(|(one, _)| one.matched == 0) {
@@ -314,13 +314,13 @@ fn weigh(verdict: &mut Verdict, policy: &Policy, context: &Context) {
             && !left.contains(&(&*row.rule, row.subject.as_str()))
         {
             row.outcome = Outcome::NotEvaluated;
-            row.reason = Some(format!("turned off for this file ({origin})"));
+            row.reason = Some(format!("off for this file ({origin})"));
             row.measured.clear();
         }
     }
 }
 
-/// Marks what is accepted. Every acceptance that is for a finding is told so, though the first one marks it.
+/// Marks what is accepted. Every acceptance of a finding counts it, although the first one marks it.
 fn accept(verdict: &mut Verdict, exceptions: Vec<Exception>, context: &Context) -> Vec<(Applied, Scope)> {
     let mut applied: Vec<(Applied, Scope)> = exceptions
         .into_iter()
@@ -343,7 +343,7 @@ fn accept(verdict: &mut Verdict, exceptions: Vec<Exception>, context: &Context) 
             {
                 continue;
             }
-            // A baseline has one entry for each of several like findings: an entry that marks nothing stays for the next.
+            // A baseline has one entry for each of several equal findings: an entry that marks nothing remains for the next.
             if matches!(scope, Scope::Known(_)) && finding.waived.is_some() {
                 continue;
             }
@@ -381,7 +381,7 @@ impl Scope {
         }
     }
 
-    /// Why it can't be said that nothing is left to accept: the rule was not asked, or could not judge.
+    /// Why it is unknown whether there is anything to accept: the rule was not run, or could not be evaluated.
     fn unjudged(&self, waiver: &Waiver, verdict: &Verdict, context: &Context) -> Option<String> {
         let mut asked = context
             .rules
@@ -390,12 +390,12 @@ impl Scope {
             .filter(|rule| context.asked.contains(rule.code))
             .peekable();
         if asked.peek().is_none() {
-            return Some(format!("{} was not asked in this run", waiver.rule));
+            return Some(format!("{} was not run", waiver.rule));
         }
         if let Self::Known(accepted) = self
             && verdict.findings.iter().any(|finding| accepted.was(finding, context))
         {
-            return Some("what it accepts has grown, and counts as new".to_owned());
+            return Some("the finding that it accepts has become worse, and counts as new".to_owned());
         }
         let meant = |subject: &str| {
             let subject = plain_subject(subject, context.platforms);
@@ -410,7 +410,7 @@ impl Scope {
         if rows().any(|row| row.outcome.is_judged() && meant(&row.subject)) {
             return None;
         }
-        // Of a rule that judged other subjects, this one is no more: that is nothing left to accept.
+        // If the rule judged other subjects, this one no longer exists: there is nothing to accept.
         let reason = rows()
             .find(|row| !row.outcome.is_judged() && meant(&row.subject))
             .or_else(|| {
@@ -422,7 +422,7 @@ impl Scope {
     }
 }
 
-/// Rows all of whose findings are accepted are no failures.
+/// Rows whose findings are all accepted are no failures.
 fn settle_rows(verdict: &mut Verdict) {
     let mut found: BTreeMap<(&str, &str), (bool, Option<String>)> = BTreeMap::new();
     for finding in &verdict.findings {

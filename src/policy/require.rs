@@ -1,4 +1,4 @@
-//! What must have been judged, and was not: with the reason, and what would have to be there.
+//! What must be evaluated, and was not: with the reason, and what is missing.
 
 use crate::page::{Page, names_rule};
 use crate::run::{SHARE, Unmet};
@@ -7,12 +7,13 @@ use crate::verdict::{Row, judged_of_applicable};
 
 use super::{Context, Force, RequiredShare, Requirement, Scope};
 
-/// So many reasons are told of one rule.
+/// Reasons that are shown for one rule.
 const MAX_REASONS: usize = 3;
 
-/// The requirements that outcomes do not meet, in the order in which they stand; a rule that is required twice is told once.
+/// The requirements that outcomes do not meet, in their order; a rule that is required twice is reported once.
 ///
-/// A waiver for the whole rule, or for the same subjects, accepts that it was not judged; so does what lifts the requirement behind it.
+/// A waiver for the whole rule, or for the same subjects, accepts that it was not evaluated; so does a later entry that lifts the
+/// requirement.
 pub(super) fn unmet(
     rows: (&[Row], &[Row]),
     required: &[Requirement],
@@ -50,7 +51,7 @@ pub(super) fn unmet(
             }
             let is_known = |other: &&mut Unmet| other.rule == one.rule && other.subject == one.subject;
             match unmet.iter_mut().find(is_known) {
-                // It was lifted, and is required again.
+                // It was lifted, and is required again later.
                 Some(known) if one.waived.is_none() => *known = one,
                 Some(_) => {}
                 None => unmet.push(one),
@@ -60,7 +61,7 @@ pub(super) fn unmet(
     unmet
 }
 
-/// Where fewer of the checks that apply were made than must be.
+/// If fewer of the applicable checks were evaluated than required.
 pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
     let (judged, applicable) = judged_of_applicable(rows.iter().filter(|row| !row.rule.starts_with(FAMILY)));
     if judged as f64 >= required.share * applicable as f64 {
@@ -71,8 +72,8 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
         name: "of the checks that apply".to_owned(),
         subject: None,
         why: vec![format!(
-            "{judged} of {applicable} checks that apply were made, {:.0} %, and {} % are required",
-            // Rounded down: what is not enough does not look like it.
+            "{judged} of {applicable} applicable checks were evaluated ({:.0} %); {} % are required",
+            // Rounded down: a share that is too small must not look sufficient.
             (100.0 * judged as f64 / applicable as f64).floor(),
             100.0 * required.share
         )],
@@ -84,7 +85,7 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
 }
 
 impl Requirement {
-    /// That it lifts a requirement of a rule that stands before it, where it does.
+    /// The acceptance, if this entry lifts an earlier requirement of a rule.
     fn lifts(&self, before: &Self, rule: &Page) -> Option<Waived> {
         let Force::Lifted(reason) = &self.force else {
             return None;
@@ -122,7 +123,7 @@ fn missing(
     }
     let mut why: Vec<String> = Vec::new();
     if !context.asked.contains(rule.code) {
-        why.push("the rule is not among those that were asked (`select`, `ignore`)".to_owned());
+        why.push("the rule was not run: `select` or `ignore` excludes it".to_owned());
     }
     let not_judged: Vec<_> = rows.iter().filter(|row| !row.outcome.is_judged()).collect();
     let about: Vec<_> = not_judged.iter().filter(|row| meant(&row.subject)).collect();
@@ -140,7 +141,7 @@ fn missing(
     if why.is_empty()
         && let Some(glob) = &requirement.subject
     {
-        why.push(format!("nothing that was judged is `{}`", glob.glob().glob()));
+        why.push(format!("no subject matches `{}`", glob.glob().glob()));
     }
     let more = why.len().saturating_sub(MAX_REASONS);
     why.truncate(MAX_REASONS);

@@ -1,7 +1,7 @@
 //! The folders whose files may be read because a file that is read names them.
 //!
-//! What the user names is read wherever it lies. What only a file names (an include, a table, a configuration that is extended) is read in
-//! these folders alone: who wrote that file may be a stranger.
+//! Files that the user names are read from anywhere. Files that only another file names (an include, a table, a configuration that is extended)
+//! are read in these folders only: that file may come from a stranger.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -28,12 +28,12 @@ impl AllowedFolders {
             folders.push(own.to_path_buf());
         }
         folders.sort();
-        // What lies in another is behind it.
+        // A folder inside of another one follows it.
         folders.dedup_by(|later, earlier| later.starts_with(earlier));
         Self { folders }
     }
 
-    /// These files and folders alone.
+    /// Only these files and folders.
     pub fn exactly(paths: &[PathBuf]) -> Self {
         Self::default().with(paths.iter().map(PathBuf::as_path))
     }
@@ -51,14 +51,14 @@ impl AllowedFolders {
         &self.folders
     }
 
-    /// Whether a path lies in one of them, links followed. One that is not there is taken as it is written.
+    /// Whether a path is in one of them, with links resolved. A path that does not exist is taken as written.
     pub fn holds(&self, path: &Path) -> bool {
         let whole = std::fs::canonicalize(path).ok().or_else(|| written(path));
         whole.is_some_and(|whole| self.folders.iter().any(|folder| whole.starts_with(folder)))
     }
 }
 
-/// A path from the root, `..` taken for the folder above.
+/// A path from the root, with `..` resolved.
 fn written(path: &Path) -> Option<PathBuf> {
     let mut whole = PathBuf::new();
     for part in std::path::absolute(path).ok()?.components() {

@@ -1,7 +1,7 @@
-//! Source code: the products of transforms that it writes down, in C++, Python and Rust.
+//! Source code: the products of transforms in it, in C++, Python and Rust.
 //!
-//! Owns what is a product, an inverse and a name of a transform in code. Nothing is run and no type is known: only names speak, and what is
-//! no name of a transform ends a product. Whether frames cancel is for a rule to say.
+//! Owns what is a product, an inverse and a name of a transform in code. Nothing is run and no type is known: only names count, and anything
+//! else than the name of a transform ends a product. A rule decides whether frames cancel.
 
 mod names;
 #[cfg(test)]
@@ -113,7 +113,7 @@ pub fn read(source: &mut Source) -> Facts {
         }
     }
     if facts.chains.is_empty() && source.detail.is_none() {
-        source.detail = Some("no products of transforms with names that tell their frames".to_owned());
+        source.detail = Some("no products of transforms whose names state their frames".to_owned());
     }
     facts
 }
@@ -192,7 +192,7 @@ impl<'t> Reader<'t> {
         self.runs(value, result.as_ref())
     }
 
-    /// The name on the left, without what makes it a reference or a pointer.
+    /// The name on the left, without the marks of a reference or a pointer.
     fn bound_name(&self, node: Node<'t>) -> Option<Factor> {
         let mut at = node;
         for _ in 0..4 {
@@ -211,11 +211,11 @@ impl<'t> Reader<'t> {
         is_name.then(|| self.named(at, at))?
     }
 
-    /// Runs of names of transforms in a product. A result belongs to them where the value is nothing else.
+    /// Runs of names of transforms in a product. A result belongs to them if the value is nothing else.
     fn runs(&self, value: Node<'t>, result: Option<&Factor>) -> Vec<DeclaredChain> {
         let factors = self.factors(value, 0);
         if let ([Some(only)], Some(result)) = (factors.as_slice(), result) {
-            // A copy under another name says nothing; an inverse, or a copy under the inverse's name, does.
+            // A copy under another name shows nothing; an inverse, or a copy under the inverse's name, does.
             let is_swapped = only.name.target == result.name.source && only.name.source == result.name.target;
             if !is_swapped && !self.inverts(value) {
                 return Vec::new();
@@ -345,7 +345,7 @@ impl<'t> Reader<'t> {
         })
     }
 
-    /// The factors of an expression from left to right; `None` for what is no name of a transform.
+    /// The factors of an expression from left to right; `None` for anything but the name of a transform.
     fn factors(&self, node: Node<'t>, depth: usize) -> Vec<Option<Factor>> {
         let unknown = || vec![None];
         if depth > MAX_DEPTH {
@@ -415,7 +415,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// The transform that a name speaks of; `whole` is what counts as its place.
+    /// The transform that a name describes; `whole` counts as its place.
     fn named(&self, name: Node<'t>, whole: Node<'t>) -> Option<Factor> {
         Some(Factor {
             name: named(text(name, self.text))?,
@@ -457,7 +457,7 @@ fn inverse(factors: Vec<Option<Factor>>, call: Span) -> Vec<Option<Factor>> {
     turned.collect()
 }
 
-/// A rotation's transpose is its inverse; that of a 4x4 is nothing.
+/// A rotation's transpose is its inverse; that of a 4x4 has no meaning.
 fn transposed(factors: Vec<Option<Factor>>, call: Span) -> Vec<Option<Factor>> {
     let are_rotations = factors
         .iter()

@@ -1,4 +1,4 @@
-//! Finds the files of a run and says what each one is, by content and by name.
+//! Finds the files of a run and recognises what each one is, by content and by name.
 //!
 //! Owns the walk over folders and the recognition of kinds. Must not read more of a file than its first bytes.
 
@@ -18,7 +18,7 @@ use super::bag::metadata;
 use super::input::{Input, ending};
 use super::recordings;
 
-/// The name of frames-lint's own configuration, which is no calibration file.
+/// The name of frames-lint's own configuration, which is not a calibration file.
 pub const CONFIGURATION: &str = "frames-lint.yaml";
 
 /// All files of a run.
@@ -26,9 +26,9 @@ pub const CONFIGURATION: &str = "frames-lint.yaml";
 pub struct Inputs {
     /// Files to read, in a fixed order.
     pub files: Vec<Input>,
-    /// Files met in folders that hold nothing a reader could use, counted by ending.
+    /// Files in folders that no reader can use, counted by ending.
     pub skipped: BTreeMap<String, usize>,
-    /// Folders with a `package.xml`, in the order in which they were met.
+    /// Folders with a `package.xml`, in the order in which they were found.
     pub packages: Vec<PathBuf>,
 }
 
@@ -51,10 +51,10 @@ impl Inputs {
     }
 }
 
-/// Formats that may state transforms and that no reader exists for: said in the report, never passed over in silence.
+/// Formats that may state transforms but have no reader: listed in the report, never ignored silently.
 const UNREAD_FORMATS: &[(&str, &str)] = &[
     ("py", "not a launch file of ROS 2"),
-    ("srdf", "SRDF holds semantics, no transforms of its own; it is not read"),
+    ("srdf", "SRDF is not read: it has no transforms of its own"),
     ("sdf", "SDF is not read"),
     ("world", "Gazebo worlds are not read"),
     ("lua", "not a Lua file of Cartographer"),
@@ -62,7 +62,7 @@ const UNREAD_FORMATS: &[(&str, &str)] = &[
     ("info", "not an info file with cameras of ROVIO"),
     ("feather", "not a feather table of version 2"),
     ("csv", "not a table of transforms"),
-    ("txt", "plain text in no form that is known"),
+    ("txt", "plain text in an unknown form"),
     ("conf", "configuration files of this format are not read"),
     ("cfg", "configuration files of this format are not read"),
     ("toml", "TOML files are not read"),
@@ -79,12 +79,12 @@ pub enum Wanted {
     Code,
 }
 
-/// Collects the files under `paths`. A path that does not exist is an input that says so.
+/// Collects the files under `paths`. A path that does not exist becomes an input with that problem.
 pub fn discover(paths: &[PathBuf]) -> Inputs {
     discover_of(paths, Wanted::Facts)
 }
 
-/// The same for files of one sort. The order in which the paths are given counts for nothing.
+/// The same for files of one sort. The order of the paths does not matter.
 pub fn discover_of(paths: &[PathBuf], wanted: Wanted) -> Inputs {
     let mut inputs = Inputs::default();
     let paths: BTreeSet<&PathBuf> = paths.iter().collect();
@@ -123,7 +123,7 @@ fn once(files: &mut Vec<Input>) {
 /// The group of files that were named one by one.
 const LOOSE: usize = 0;
 
-/// A file the user named: whatever it is, the report says what became of it.
+/// A file the user named: the report always shows what became of it.
 fn named_file(path: &Path, wanted: Wanted) -> Input {
     let root = path.parent().unwrap_or(Path::new(""));
     let mut input = met(path, root, LOOSE, SourceKind::Unsupported);
@@ -166,7 +166,7 @@ fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
         let entry = match entry {
             Ok(entry) => entry,
             Err(error) => {
-                let refusal = format!("the folder cannot be walked: {error}");
+                let refusal = format!("the folder cannot be listed: {error}");
                 inputs.files.push(unusable(root, group, refusal));
                 continue;
             }
@@ -174,7 +174,7 @@ fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
         let path = entry.path();
         let Some(kind) = entry.file_type() else { continue };
         if kind.is_symlink() {
-            // Installed workspaces link every file. Linked folders are not entered: they may lead anywhere, or in a ring.
+            // Installed workspaces link every file. Linked folders are not entered: they may lead anywhere, or in a cycle.
             if path.is_dir() {
                 *inputs.skipped.entry("linked folder".to_owned()).or_default() += 1;
                 continue;
@@ -200,7 +200,7 @@ fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
         inputs.files.push(unusable(
             root,
             group,
-            "the folder holds no file that frames-lint reads".to_owned(),
+            "the folder contains no file that frames-lint reads".to_owned(),
         ));
     }
 }
@@ -252,7 +252,7 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
     inputs.files.push(input);
 }
 
-/// A folder as an input that says what is wrong with it.
+/// A folder as an input with its problem.
 fn unusable(root: &Path, group: usize, refusal: String) -> Input {
     Input {
         path: root.to_path_buf(),
@@ -266,7 +266,7 @@ fn unusable(root: &Path, group: usize, refusal: String) -> Input {
     }
 }
 
-/// A path for reports. Bytes that are no UTF-8 are spelled out (`\xff`), and a backslash that could be taken for that is doubled, so that two
+/// A path for reports. Bytes that are not UTF-8 are escaped (`\xff`), and a backslash that could be taken for that is doubled, so that two
 /// names stay two.
 fn display(path: &Path) -> String {
     let mut text = String::new();
@@ -305,7 +305,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
     })
 }
 
-/// What a file is: recordings by their magic whatever their name, descriptions by name, XML by its root element.
+/// What a file is: recordings by their magic bytes under any name, descriptions by name, XML by its root element.
 fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"\x89MCAP") {
         return Some(SourceKind::Mcap);
@@ -337,7 +337,7 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     }
 }
 
-/// The beginning of a text, whatever its encoding.
+/// The beginning of a text in any encoding.
 fn head_text(head: &[u8]) -> String {
     // A letter may be cut off at the end.
     let even = head.get(..head.len() & !1).unwrap_or_default();
@@ -349,7 +349,7 @@ fn head_text(head: &[u8]) -> String {
     }
 }
 
-/// Documents that frames-lint writes itself lie beside what they are about: their numbers are nobody's statement.
+/// Documents that frames-lint writes itself may be next to what they are about: their numbers are not statements of a file.
 fn own_document(head: &[u8]) -> Option<&'static str> {
     let start: Vec<u8> = head
         .iter()
@@ -358,7 +358,7 @@ fn own_document(head: &[u8]) -> Option<&'static str> {
         .take(40)
         .collect();
     if start.starts_with(b"{\"schema\":\"frames-lint-evidence/") {
-        Some("is evidence saved by frames-lint: it is judged with `--evidence`")
+        Some("is evidence saved by frames-lint: pass it with `--evidence`")
     } else if start.starts_with(b"{\"schema\":\"frames-lint/") {
         Some("is a report of frames-lint")
     } else {

@@ -1,4 +1,4 @@
-//! Feather tables (Arrow IPC files), as Argoverse 2 has them: made into a table in text, so that every fact has a place.
+//! Feather tables (Arrow IPC files), as Argoverse 2 has them: converted to a table in text, so that every fact has a place.
 //!
 //! Owns the decoding, by the crate `arrow-ipc`, and its bounds. Knows nothing of transforms.
 
@@ -22,8 +22,8 @@ const MAX_ROWS: usize = 20_000;
 /// The table as CSV: a line of names, a line for each row.
 pub fn to_csv(bytes: Vec<u8>) -> Result<String, String> {
     bounded(&bytes)?;
-    // The decoder checks what it reads, but its authors promise no more than that for broken files.
-    std::panic::catch_unwind(move || decoded(bytes)).unwrap_or_else(|_| Err("the table is broken".to_owned()))
+    // The decoder checks its input, but its authors do not promise more for damaged files.
+    std::panic::catch_unwind(move || decoded(bytes)).unwrap_or_else(|_| Err("the table is damaged".to_owned()))
 }
 
 fn decoded(bytes: Vec<u8>) -> Result<String, String> {
@@ -51,7 +51,7 @@ fn decoded(bytes: Vec<u8>) -> Result<String, String> {
     Ok(out)
 }
 
-/// One value as text; empty where it is none, or of a kind that no transform needs.
+/// One value as text; empty if there is none, or if no transform needs its type.
 fn cell(column: &dyn Array, row: usize) -> String {
     use arrow_schema::DataType;
     if column.is_null(row) {
@@ -92,9 +92,9 @@ fn plain(text: &str) -> String {
     text.replace([',', ';', '\n', '\r', '"'], "_")
 }
 
-/// Refuses files whose packed buffers say that they unpack to more than they may: the decoder would ask for that much memory.
+/// Refuses files whose packed buffers say that they unpack to more than they may: the decoder would allocate that memory.
 fn bounded(bytes: &[u8]) -> Result<(), String> {
-    let broken = || "not a readable feather table: its end is missing or broken".to_owned();
+    let broken = || "not a readable feather table: its end is missing or damaged".to_owned();
     let tail = bytes.len().checked_sub(10).ok_or_else(broken)?;
     let length = bytes.get(tail..tail + 4).and_then(|length| length.try_into().ok());
     let length = usize::try_from(i32::from_le_bytes(length.ok_or_else(broken)?)).map_err(|_| broken())?;
@@ -106,12 +106,12 @@ fn bounded(bytes: &[u8]) -> Result<(), String> {
         let head = usize::try_from(block.metaDataLength()).map_err(|_| broken())?;
         let body = start.checked_add(head).ok_or_else(broken)?;
         let message = bytes.get(start..body).ok_or_else(broken)?;
-        // The decoder makes room for as much as a block says that it has.
+        // The decoder allocates as much as a block claims to have.
         let size = usize::try_from(block.bodyLength()).map_err(|_| broken())?;
         if body.checked_add(size).is_none_or(|end| end > bytes.len()) {
             return Err(broken());
         }
-        // A message has its length before it, since version 4 behind a mark.
+        // A message has its length before it, since version 4 after a mark.
         let skip = if message.starts_with(&[0xff; 4]) { 8 } else { 4 };
         let message = arrow_ipc::root_as_message(message.get(skip..).ok_or_else(broken)?).map_err(|_| broken())?;
         let batch = message

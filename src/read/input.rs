@@ -9,7 +9,7 @@ use crate::source::SourceKind;
 pub struct Input {
     /// Where it is.
     pub path: PathBuf,
-    /// The path as the user would recognise it.
+    /// The path as shown to the user.
     pub display: String,
     /// What it was recognised as.
     pub kind: SourceKind,

@@ -1,4 +1,4 @@
-//! Which files of a run are one recording: those that a `metadata.yaml` names, and those that continue each other.
+//! Which files of a run are one recording: those that a `metadata.yaml` lists, and those that continue each other.
 //!
 //! Owns the joining of inputs. Must not read messages.
 
@@ -16,7 +16,7 @@ pub(super) fn join(files: &mut Vec<Input>) {
     splits(files);
 }
 
-/// Takes files out that are read with the rosbag2 folder they lie in.
+/// Removes files that are read with their rosbag2 folder.
 fn folders(files: &mut Vec<Input>) {
     let mut named = BTreeSet::new();
     for input in files.iter_mut().filter(|input| input.kind == SourceKind::Rosbag2) {

@@ -1,4 +1,4 @@
-//! Syntax trees of programming languages, as tree-sitter builds them: with places, and past what is broken.
+//! Syntax trees of programming languages, as tree-sitter builds them: with places, and across syntax errors.
 
 use std::ops::ControlFlow;
 
@@ -6,16 +6,16 @@ use tree_sitter::{Language, Node, ParseOptions, ParseState, Parser, Tree};
 
 use crate::source::Span;
 
-/// The parser looks up every 100 steps. It may do so this often before it is stopped, whatever the length of the text: of a broken text it
-/// weighs every way in which it might go on, and for some there is no end of them.
+/// The parser looks up every 100 steps. It may do so this often before it is stopped, for a text of any length: in a text with errors it
+/// considers every possible continuation, and for some texts it does not end.
 const MIN_CHECKS: usize = 2000;
-/// And once more for so many bytes. Of 10,000 healthy files of C++, Python and Rust the hardest needed one for 17 bytes.
+/// And once more for this number of bytes. Of 10,000 correct files of C++, Python and Rust the hardest needed one for 17 bytes.
 const BYTES_PER_CHECK: usize = 4;
 
 /// Deepest nesting of brackets that is parsed: time grows with its square. Code that people write has some twenty levels.
 const MAX_DEPTH: usize = 1000;
 
-/// The tree of a text; else where the parser was stopped, and why.
+/// The tree of a text; otherwise where the parser was stopped, and why.
 pub(super) fn parse(text: &str, language: &Language) -> Result<Tree, (Span, String)> {
     let start = Span::new(0, 0);
     if let Some(at) = too_deep(text) {
@@ -46,7 +46,7 @@ pub(super) fn parse(text: &str, language: &Language) -> Result<Tree, (Span, Stri
                 .rev()
                 .find(|at| text.is_char_boundary(*at))
                 .unwrap_or(0);
-            let message = "the text before this is too broken: its syntax can be read in too many ways".to_owned();
+            let message = "the text before this has too many syntax errors to be parsed".to_owned();
             (Span::new(at, at), message)
         })
 }

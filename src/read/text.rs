@@ -2,11 +2,11 @@
 //!
 //! Owns encodings. Must not know formats.
 
-/// How many NUL characters a text may hold before it counts as binary: a few real files carry remains of a buffer
-/// behind their end.
+/// How many NUL characters a text may contain before it counts as binary: a few real files have remains of a buffer
+/// after their end.
 const NULS_IN_TEXT: usize = 8;
 
-/// Decodes the bytes of a text file, with a note where the encoding is worth a word.
+/// Decodes the bytes of a text file, with a note if the encoding is unusual.
 ///
 /// UTF-8 with or without a byte order mark and UTF-16 with one (or opening with `<` or two ASCII characters) are taken; bytes that are not
 /// UTF-8 but look like text are read as Latin-1. The byte order mark is not part of the text: spans count in the
@@ -14,12 +14,12 @@ const NULS_IN_TEXT: usize = 8;
 ///
 /// # Errors
 ///
-/// A line that says what the bytes look like and at which byte, where they are no text.
+/// A line that states what the bytes look like and at which byte, if they are not a text.
 pub fn decode(bytes: Vec<u8>) -> Result<(String, Option<String>), String> {
     match bytes.as_slice() {
         [0xEF, 0xBB, 0xBF, rest @ ..] => return decode_bytes(rest.to_vec(), 3),
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => {
-            return Err("this is UTF-32 (byte 0), which is not read: save it as UTF-8".to_owned());
+            return Err("the file is UTF-32 (byte 0), which is not supported: save it as UTF-8".to_owned());
         }
         [0xFF, 0xFE, rest @ ..] => return utf16(rest, u16::from_le_bytes),
         [0xFE, 0xFF, rest @ ..] => return utf16(rest, u16::from_be_bytes),
@@ -34,7 +34,7 @@ fn decode_bytes(bytes: Vec<u8>, skipped: usize) -> Result<(String, Option<String
     if let Some(offset) = binary_at(&bytes) {
         let offset = offset + skipped;
         return Err(format!(
-            "not a text file: control characters that no text holds, the first at byte {offset}"
+            "not a text file: it contains control characters, the first at byte {offset}"
         ));
     }
     let nul = memchr::memchr(0, &bytes);
@@ -49,7 +49,7 @@ fn decode_bytes(bytes: Vec<u8>, skipped: usize) -> Result<(String, Option<String
     }
 }
 
-/// The first control character of bytes that are no text. Tabs, line ends, form feeds, escapes and up to
+/// The first control character of bytes that are not a text. Tabs, line ends, form feeds, escapes and up to
 /// [`NULS_IN_TEXT`] NULs are text.
 fn binary_at(bytes: &[u8]) -> Option<usize> {
     // Whole blocks at once: nearly every text has no odd byte at all.
@@ -68,7 +68,7 @@ fn binary_at(bytes: &[u8]) -> Option<usize> {
     let (nuls, odd) = bytes.iter().fold((0, 0), |(nuls, odd), byte| {
         (nuls + usize::from(*byte == 0), odd + usize::from(is_odd(*byte)))
     });
-    // One stray control character in a long text is a slip of an editor; many, or any beside NULs, are a binary file.
+    // One stray control character in a long text is an editor's mistake; many, or any together with NULs, are a binary file.
     let is_binary = nuls > NULS_IN_TEXT || (nuls > 0 && odd > 0) || odd > 4 + bytes.len() / 1000;
     if !is_binary {
         return None;
@@ -85,12 +85,12 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<(String, Option<Strin
     for (index, decoded) in char::decode_utf16(units).enumerate() {
         match decoded {
             Ok(c) => text.push(c),
-            Err(_) => return Err(format!("broken UTF-16 at character {}", index + 1)),
+            Err(_) => return Err(format!("invalid UTF-16 at character {}", index + 1)),
         }
     }
     if bytes.len() % 2 == 1 {
         return Err(format!(
-            "broken UTF-16: the last of {} bytes is half a character",
+            "invalid UTF-16: the last of {} bytes is half a character",
             bytes.len()
         ));
     }

@@ -1,7 +1,7 @@
-//! Xacro: macro files expanded by this program in a process of its own, else by the `xacro` program where the user has it run, or read as
-//! far as they are written out.
+//! Xacro: macro files expanded by this program in a process of its own, else by the `xacro` program if the user allows it, or read as
+//! far as they need no expansion.
 //!
-//! Owns running either within bounds, and the words for what they could not do. Must not know how URDF is read.
+//! Owns running either within bounds, and the messages about failures. Must not know how URDF is read.
 
 mod marked;
 pub mod own;
@@ -31,27 +31,27 @@ const OWN_TIMEOUT: Duration = Duration::from_secs(10);
 /// How much it may write, bytes. The largest expansion seen in real files has half a megabyte.
 const LARGEST: usize = 64 * 1024 * 1024;
 
-/// Entries of a folder that are looked at for packages.
+/// Entries of a folder that are searched for packages.
 const MOST_BESIDE: usize = 10_000;
 
-/// Lines of its complaints that are kept.
+/// Lines of its error output that are kept.
 const LAST_LINES: usize = 6;
 
 /// Why a file was not expanded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Expansion {
-    /// There is nothing that could expand it.
+    /// There is no program that could expand it.
     NotInstalled,
     /// It ran and failed.
     Failed {
-        /// The last lines of its complaints.
+        /// The last lines of its error output.
         stderr: String,
         /// The one-based line of the file itself that it names, if it names one.
         line: Option<usize>,
     },
-    /// It did not end in time.
+    /// It did not finish in time.
     TimedOut,
-    /// It wrote more than anybody needs.
+    /// Its output is too large.
     TooLarge,
 }
 
@@ -65,27 +65,27 @@ pub struct Means {
     pub own: Option<PathBuf>,
     /// Arguments of the form `name:=value`.
     pub args: Vec<String>,
-    /// Whether the environment is known to files, and the `xacro` program is run where this one cannot expand one: it executes what files
-    /// say, and reads what they name.
+    /// Whether files may use the environment, and the `xacro` program is run if this one cannot expand one: it executes what files
+    /// contain, and reads the files they name.
     pub run: bool,
-    /// Where files that are included may lie, besides packages.
+    /// Folders of files that may be included, besides packages.
     pub allowed: AllowedFolders,
 }
 
-/// Expands a xacro file; packages that it names are looked for among `packages` and around the file. No shell is involved.
+/// Expands a xacro file; packages that it names are searched among `packages` and around the file. No shell is involved.
 ///
 /// # Errors
 ///
-/// [`Expansion`] says why there is no expansion; [`Expansion::report`] says it to the user.
+/// [`Expansion`] states why there is no expansion; [`Expansion::report`] reports it to the user.
 pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) -> Result<Expanded, Expansion> {
     let is_argument = |arg: &&String| !arg.starts_with('-') && arg.contains(":=");
     if let Some(odd) = means.args.iter().find(|arg| !is_argument(arg)) {
         // Anything else would be an option of the program, which can write files.
         return Err(Expansion::failed(format!(
-            "`{odd}` is no argument of the form name:=value"
+            "`{odd}` is not an argument of the form name:=value"
         )));
     }
-    // A path that begins with a dash is a path all the same.
+    // A path may begin with a dash.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let packages = around(&path, packages);
     let allowed = means.allowed.clone().with(packages.values().map(PathBuf::as_path));
@@ -95,7 +95,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     let own = means.own.as_ref().map(|program| {
         let mut command = Command::new(program);
         if !means.run {
-            // What this machine keeps in its environment is nothing that a file may put into a report.
+            // A file must not be able to put this machine's environment into a report.
             command.env_clear();
         }
         command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
@@ -116,7 +116,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     let expanded = match own.unwrap_or(Err(Expansion::NotInstalled)) {
         Err(failure @ (Expansion::NotInstalled | Expansion::Failed { .. })) => match by_program(top) {
             Err(Expansion::NotInstalled) => Err(failure),
-            // What it loads by a path from its own folder is not beside the copy.
+            // Files that it loads by a path from its own folder are not next to the copy.
             Err(_) if top != path => return by_program(&path).map(Expanded::plain),
             expanded => expanded,
         },
@@ -145,7 +145,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
 pub struct Expanded {
     /// The URDF.
     pub text: String,
-    /// Where its parts are written; ids of sources are numbers of templates. Empty where that is not known.
+    /// Where its parts are written; ids of sources are numbers of templates. Empty if not known.
     pub written: Vec<Written>,
     /// The file itself, and those that it includes.
     pub templates: Vec<Template>,
@@ -160,7 +160,7 @@ impl Expanded {
     }
 }
 
-/// The `xacro` program: on an absolute folder of the path, for a relative one may hold what is checked.
+/// The `xacro` program: in an absolute folder of the path, for a relative one may contain checked files.
 fn program() -> Option<PathBuf> {
     let folders = std::env::var_os("PATH")?;
     let absolute = std::env::split_paths(&folders).filter(|folder| folder.is_absolute());
@@ -193,7 +193,7 @@ fn expand_by(mut command: Command, path: &Path, args: &[String], timeout: Durati
     }
 }
 
-/// Folders of packages by name: the one that the file belongs to, those beside it, and those of the input that have other names.
+/// Folders of packages by name: the one that the file belongs to, its neighbours, and those of the input that have other names.
 fn around(path: &Path, packages: &BTreeMap<String, PathBuf>) -> BTreeMap<String, PathBuf> {
     let is_package = |folder: &Path| folder.join("package.xml").is_file();
     let absolute = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
@@ -218,7 +218,7 @@ fn named(folder: &Path) -> Option<String> {
     Some(folder.file_name()?.to_string_lossy().into_owned())
 }
 
-/// The packages as the environment hands them on: `name=folder`, one behind the other.
+/// The packages in the form of the environment variable: `name=folder`, one after the other.
 fn listed(packages: &BTreeMap<String, PathBuf>) -> String {
     let entries = packages
         .iter()
@@ -226,7 +226,7 @@ fn listed(packages: &BTreeMap<String, PathBuf>) -> String {
     entries.collect::<Vec<_>>().join(if cfg!(windows) { ";" } else { ":" })
 }
 
-/// Reads what is written out in a xacro file, without expanding it: links and joints with literal names, outside of
+/// Reads the elements of a xacro file that need no expansion: links and joints with literal names, outside of
 /// macros and inside, and claims of joints whose numbers are literal. The robot is a fragment.
 pub fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
     urdf::read_unexpanded(source, meshes)
@@ -237,16 +237,16 @@ impl Expansion {
         Self::Failed { stderr, line: None }
     }
 
-    /// Records on the source that it was not expanded, why, and what to do. What is written out can still be read.
+    /// Records on the source that it was not expanded, why, and what to do. Elements that need no expansion can still be read.
     pub fn report(&self, source: &mut Source) {
         let (message, help) = match self {
             Self::NotInstalled => (
-                "the xacro was not expanded: there is nothing here to expand it with".to_owned(),
-                "check it with the program `frames-lint`, or check the expanded URDF".to_owned(),
+                "the xacro was not expanded: no xacro processor is available here".to_owned(),
+                "use the program `frames-lint`, or check the expanded URDF".to_owned(),
             ),
             Self::TimedOut => (
                 format!(
-                    "the xacro was not expanded: that takes more than {} s",
+                    "the xacro was not expanded: expansion did not finish within {} s",
                     OWN_TIMEOUT.as_secs()
                 ),
                 "expand it by hand, and check the expanded URDF".to_owned(),
@@ -284,7 +284,7 @@ impl Expansion {
     }
 }
 
-/// The failure in plain words, and what to do.
+/// The message about the failure, and what to do.
 fn failure(stderr: &str, text: &str) -> (String, String) {
     if lacks_packages(stderr) {
         let named = stderr
@@ -298,8 +298,8 @@ fn failure(stderr: &str, text: &str) -> (String, String) {
             ),
             names => format!("the xacro was not expanded: it needs {}", list(names)),
         };
-        let help = "check the folder that holds these packages too, or expand it in its ROS workspace and check the expanded \
-                    URDF; a path that is an argument can be given with --xacro-arg name:=value";
+        let help = "check the folder with these packages too, or expand it in its ROS workspace and check the expanded URDF; \
+                    pass a path that is an argument with --xacro-arg name:=value";
         return (message, help.to_owned());
     }
     let message = format!("the xacro was not expanded: {}", complaint(stderr));
@@ -309,12 +309,12 @@ fn failure(stderr: &str, text: &str) -> (String, String) {
     });
     let help = match undefined {
         Some(name) => format!("pass --xacro-arg {name}:=<value>"),
-        None => "run `xacro` on the file by hand; arguments can be given with --xacro-arg name:=value".to_owned(),
+        None => "run `xacro` on the file to see the error; pass arguments with --xacro-arg name:=value".to_owned(),
     };
     (message, help)
 }
 
-/// Whether the complaint is that packages cannot be found.
+/// Whether the error is that packages cannot be found.
 fn lacks_packages(stderr: &str) -> bool {
     [
         "ament_index_python",
@@ -327,7 +327,7 @@ fn lacks_packages(stderr: &str) -> bool {
     .any(|sign| stderr.contains(sign))
 }
 
-/// The line of the complaint that says most.
+/// The most informative line of the error output.
 fn complaint(stderr: &str) -> String {
     let said = stderr
         .lines()
@@ -364,7 +364,7 @@ fn list(names: &[&str]) -> String {
     format!("the {noun} {}, which cannot be found here", quoted.join(", "))
 }
 
-/// The line that a complaint names, if it speaks of the file itself and not of one it includes.
+/// The line that an error names, if it is about the file itself and not about one it includes.
 fn line_of(stderr: &str, path: &Path) -> Option<usize> {
     let about = stderr
         .lines()
@@ -386,7 +386,7 @@ struct Output {
 /// Runs a program within bounds of time and output.
 fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output, Expansion> {
     let deadline = Instant::now() + timeout;
-    // A group of its own: what it starts ends with it.
+    // A group of its own, so that its children end with it.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let spawned = command
@@ -412,7 +412,7 @@ fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output
             match child.try_wait() {
                 Ok(Some(status)) if status.code().is_none() => {
                     return Err(Expansion::failed(
-                        "error: it was broken off: it nests too deep, or takes too much memory".to_owned(),
+                        "error: expansion was stopped: it is nested too deep, or takes too much memory".to_owned(),
                     ));
                 }
                 Ok(Some(status)) => {
@@ -428,7 +428,7 @@ fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output
         }
     });
     if finished.is_err() {
-        // It may have ended by itself meanwhile; then there is nothing to kill.
+        // It may have ended in the meantime; then there is nothing to kill.
         let _ = child.kill();
         #[cfg(unix)]
         if let Ok(group) = i32::try_from(child.id()) {
@@ -444,7 +444,7 @@ fn reader(pipe: impl Read + Send + 'static, largest: usize) -> Receiver<Vec<u8>>
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
-        // What came before a broken pipe is all there is.
+        // After a broken pipe, the bytes before it are used.
         let _ = pipe.take(largest as u64 + 1).read_to_end(&mut bytes);
         let _ = sender.send(bytes);
     });

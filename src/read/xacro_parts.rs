@@ -1,4 +1,4 @@
-//! Which xacro files are robots and which are parts: told from their elements, without expanding anything.
+//! Which xacro files are robots and which are parts: decided by their elements, without expanding anything.
 
 /// Elements of xacro itself; any other `xacro:` element calls a macro.
 const BUILT_IN: &[&str] = &[
@@ -34,7 +34,7 @@ pub fn includes(text: &str) -> Vec<String> {
     names
 }
 
-/// Whether expanding would change anything: an element of xacro, a macro call or an expression. The namespace alone does
+/// Whether expanding would change anything: an element of xacro, a macro call or an expression. The namespace alone changes
 /// nothing.
 pub fn needs_expansion(text: &str) -> bool {
     ["<xacro:", "${", "$("].iter().any(|sign| text.contains(sign))
@@ -42,7 +42,7 @@ pub fn needs_expansion(text: &str) -> bool {
 
 /// Whether a xacro text only defines things for others: macros and properties, no links, joints or calls of its own.
 ///
-/// A text that cannot be parsed is no library: the reader then says what is wrong with it.
+/// A text that cannot be parsed is not a library: the reader then reports what is wrong with it.
 pub fn is_library(text: &str) -> bool {
     let Ok(document) = roxmltree::Document::parse(text) else {
         return false;

@@ -1,4 +1,4 @@
-//! The rules: each judges a world and says what it measured. Mirrors `rules/` one to one.
+//! The rules: each judges a world and reports what it measured. Mirrors `rules/` one to one.
 //!
 //! Rules are pure: no I/O, no clock, no randomness. They read worlds and estimates, and know nothing of reading,
 //! collecting, configuration or reports, nor of each other.

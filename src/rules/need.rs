@@ -1,8 +1,8 @@
-//! What a rule may ask for beforehand.
+//! The inputs that a rule may require.
 
 use crate::world::{Claim, ClaimKind, World};
 
-/// Something a rule needs before it can be asked.
+/// An input that a rule needs before it can judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// A URDF, from a file or from a bag.
@@ -67,21 +67,24 @@ impl Need {
         )
     }
 
-    /// What is missing, in words.
+    /// What is missing, in words. They begin with `no `: reports count the inputs that would help most by the words between it and
+    /// the colon.
     pub fn missing(self) -> &'static str {
         match self {
-            Self::Robot => "no URDF",
-            Self::Tf => "no recording with TF",
-            Self::RobotOrTf => "no URDF and no recording with TF",
-            Self::RobotTfOrLaunch => "no URDF, no recording with TF, and no launch file that publishes transforms",
-            Self::Transforms => "no transforms",
-            Self::TransformsOrBag => "no transforms and no recording",
-            Self::CalibrationOrBag => "no calibration file with transforms and no recording",
-            Self::Matrices => "no file with a matrix",
-            Self::Calibration => "no calibration file with transforms",
-            Self::CameraInfo => "no recording and no camera_info file",
-            Self::Bag => "no recording",
-            Self::Frames => "no frame names",
+            Self::Robot => "no URDF: needs a file or /robot_description",
+            Self::Tf => "no recording with TF: needs /tf and /tf_static",
+            Self::RobotOrTf => "no URDF and no recording with TF: needs one of them",
+            Self::RobotTfOrLaunch => {
+                "no URDF, no recording with TF, and no launch file that publishes transforms: needs one of them"
+            }
+            Self::Transforms => "no transforms: needs a URDF, a calibration file or TF",
+            Self::TransformsOrBag => "no transforms and no recording: needs one of them",
+            Self::CalibrationOrBag => "no calibration file with transforms and no recording: needs one of them",
+            Self::Matrices => "no file with a matrix: needs a calibration file",
+            Self::Calibration => "no calibration file with transforms: needs one",
+            Self::CameraInfo => "no recording and no camera_info file: needs one of them",
+            Self::Bag => "no recording: needs an MCAP, rosbag2 or ROS 1 bag",
+            Self::Frames => "no frame names: needs a URDF, a calibration file or a recording",
         }
     }
 }

@@ -1,6 +1,6 @@
-//! The pages of the rules, as `build.rs` makes them of the files in `rules/`.
+//! The pages of the rules, which `build.rs` makes from the files in `rules/`.
 
-#![allow(missing_docs)] // what each says is its page
+#![allow(missing_docs)] // each is documented by its page
 #![allow(clippy::unreadable_literal)] // numbers are copied
 
 use crate::page::{Limit, Number, Page, Status};

@@ -1,4 +1,4 @@
-//! What nearly every rule writes with: its own form, estimates to read, findings to hand over.
+//! What nearly every rule needs: its own form, estimates to read, findings to report.
 
 pub(crate) use serde::Deserialize;
 

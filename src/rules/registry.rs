@@ -1,4 +1,4 @@
-//! The registry: one line for each rule, in the order of the families. From it come the modules, [`RuleCode`](crate::verdict::RuleCode)s
+//! The registry: one line for each rule, in the order of the families. It makes the modules, [`RuleCode`](crate::verdict::RuleCode)s
 //! and the list of rules. A rule judges worlds unless its line says otherwise.
 
 /// Hands every rule to a macro.
@@ -24,7 +24,7 @@ macro_rules! registry {
                 TREE15 => odom_discontinuity::OdomDiscontinuity,
                 TREE16 => map_odom_not_applied::MapOdomNotApplied,
             }
-            #[doc = "NAME: what frames are called."]
+            #[doc = "NAME: the names of frames."]
             name {
                 NAME01 => frame_case_mismatch::FrameCaseMismatch,
                 NAME02 => frame_whitespace_or_slash::FrameWhitespaceOrSlash,
@@ -66,7 +66,7 @@ macro_rules! registry {
                 AXES14 => map_z_up::MapZUp,
                 AXES15 => radar_doppler::RadarDoppler,
             }
-            #[doc = "QUAT: the order and the algebra of quaternions, and the angles that they are made of."]
+            #[doc = "QUAT: the order and the algebra of quaternions, and the angles that they are computed from."]
             quat {
                 QUAT01 => quaternion_convention::QuaternionConvention,
                 QUAT02 => quaternion_order_static::QuaternionOrderStatic,
@@ -98,7 +98,7 @@ macro_rules! registry {
                 TIME10 => tf_vs_sensor_time::TfVsSensorTime,
                 TIME11 => leap_table_expiry::LeapTableExpiry,
             }
-            #[doc = "SENSOR: what drivers, devices, simulators and autopilots fix by convention."]
+            #[doc = "SENSOR: conventions of drivers, devices, simulators and autopilots."]
             sensor {
                 SENSOR01 => ouster_frame::OusterFrame,
                 SENSOR02 => ouster_tf_metadata::OusterTfMetadata,
@@ -111,7 +111,7 @@ macro_rules! registry {
                 SENSOR09 => left_handed_simulator::LeftHandedSimulator,
                 SENSOR10 => dataset_profile::DatasetProfile,
             }
-            #[doc = "Rules of cameras."]
+            #[doc = "CAMERA: cameras, their parameters and their mounting."]
             camera {
                 CAMERA01 => optical_rotation::OpticalRotation,
                 CAMERA02 => camera_info_k_size::CameraInfoKSize,
@@ -123,7 +123,7 @@ macro_rules! registry {
                 CAMERA08 => range_image_config::RangeImageConfig,
                 CAMERA09 => bev_panorama_metadata::BevPanoramaMetadata,
             }
-            #[doc = "COV: covariances as published, and against the motion that they belong to."]
+            #[doc = "COV: covariances as published, and compared with the motion that they belong to."]
             cov {
                 COV01 => cov_psd::CovPsd,
                 COV02 => cov_order::CovOrder,
@@ -131,7 +131,7 @@ macro_rules! registry {
                 COV04 => cov_frame::CovFrame,
                 COV05 => cov_units::CovUnits,
             }
-            #[doc = "AUTH: where transforms come from, and who may state them."]
+            #[doc = "AUTH: where transforms come from, and who may publish them."]
             auth {
                 AUTH01 => multiple_authorities::MultipleAuthorities,
                 AUTH02 => calibration_artifact_id::CalibrationArtifactId,
@@ -139,7 +139,7 @@ macro_rules! registry {
                 AUTH04 => convention_undeclared::ConventionUndeclared,
                 AUTH05 => calibration_missing_default::CalibrationMissingDefault,
             }
-            #[doc = "CROSS: what several sources say of the same pair of frames."]
+            #[doc = "CROSS: several statements of the same pair of frames."]
             cross {
                 CROSS01 => extrinsic_consistency::ExtrinsicConsistency,
                 CROSS02 => extrinsic_relation::ExtrinsicRelation,
@@ -149,13 +149,13 @@ macro_rules! registry {
                 CROSS06 => urdf_tf_topology::UrdfTfTopology,
                 CROSS07 => frame_aliases::FrameAliases,
             }
-            #[doc = "CONFIG: what launch files and parameters hand to programs that move frames."]
+            #[doc = "CONFIG: what launch files and parameters pass to programs that publish or move frames."]
             config {
                 CONFIG01 => static_transform_arguments::StaticTransformArguments,
                 CONFIG02 => navsat_transform::NavsatTransform,
                 CONFIG03 => localization_frames::LocalizationFrames,
             }
-            #[doc = "URDF: what is written in a robot description, and what a consumer makes of it."]
+            #[doc = "URDF: the contents of robot descriptions, and how consumers read them."]
             urdf {
                 URDF01 => mesh_scale::MeshScale,
                 URDF02 => self_joint::SelfJoint,
@@ -171,13 +171,13 @@ macro_rules! registry {
                 URDF12 => unknown_joint_type::UnknownJointType,
                 URDF13 => consumer_disagrees::ConsumerDisagrees,
             }
-            #[doc = "Rules of precision: what the types of numbers lose."]
+            #[doc = "PREC: precision lost by number types."]
             prec {
                 PREC01 => float32_ulp::Float32Ulp,
                 PREC02 => point_time_precision::PointTimePrecision,
                 PREC03 => local_origin::LocalOrigin,
             }
-            #[doc = "Rules on what the user accepts: waivers, comments and baselines that do nothing, have run out, or are not understood."]
+            #[doc = "GATE: waivers, comments and baselines that have no effect, have expired, or are not understood."]
             gate {
                 GATE01 => unused_waiver::UnusedWaiver as policy,
                 GATE02 => expired_waiver::ExpiredWaiver as policy,

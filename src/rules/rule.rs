@@ -1,4 +1,4 @@
-//! What a rule is: its page, its needs, its limits and a judgement. And how the registry lists one.
+//! What a rule is: its page, its needs, its limits and a judgement; and how the registry lists it.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -13,15 +13,15 @@ use super::need::Need;
 
 /// A rule that judges worlds.
 pub(crate) trait Rule {
-    /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
+    /// What must be available before the rule judges; the engine answers `not-evaluated` where it is not.
     const NEEDS: &'static [Need];
     /// How much of a recording the rule needs at first.
     const EVIDENCE: Evidence = Evidence::USUAL;
     /// The limits of the page, typed.
     type Limits: Limits;
 
-    /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
-    /// that the world holds no subject.
+    /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. No judgement at all means that the world
+    /// has no subject.
     fn judge(world: &Estimates, limits: &Self::Limits, out: &mut Judge);
 }
 
@@ -30,13 +30,13 @@ pub(crate) trait Review {
     /// The limits of the page, typed.
     type Limits: Limits;
 
-    /// Asked last. Findings and outcomes in, judgements out; it may add to what the findings measured.
+    /// Called last. Findings and outcomes in, judgements out; it may add to what the findings measured.
     fn review(found: &mut [Finding], rows: &[Row], limits: &Self::Limits, out: &mut Judge);
 }
 
 /// A rule on what the user accepts.
 pub(crate) trait OfPolicy {
-    /// Asked once for a run.
+    /// Called once for a run.
     fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge);
 }
 
@@ -50,7 +50,7 @@ impl<L: DeserializeOwned + Any + Send + Sync> Limits for L {}
 #[serde(deny_unknown_fields)]
 pub(crate) struct NoLimits {}
 
-/// How a recording is sampled for a rule, before anything is known of it.
+/// How a recording is sampled for a rule, before anything is known about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     /// Windows spread over the recording.
@@ -60,7 +60,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Next to nothing.
+    /// The least.
     pub const LEAST: Self = Self {
         windows: 2,
         seconds: 0.5,
@@ -81,16 +81,16 @@ impl Evidence {
     }
 }
 
-/// What a rule is asked, and how.
+/// How a rule is called.
 #[derive(Clone, Copy)]
 pub enum Kind {
     /// It judges each world.
     World(fn(&Estimates, &mut Judge)),
     /// It compares the recordings of one platform: it judges the world of each, and once more that of all together.
     Across(fn(&Estimates, &mut Judge)),
-    /// It speaks of what the others found.
+    /// It judges what the others found.
     Review(fn(&Settings, &mut [Finding], &[Row], &mut Judge)),
-    /// It speaks of what the user accepts.
+    /// It judges what the user accepts.
     Policy(fn(&[Applied], &[Misspelt], &mut Judge)),
 }
 
@@ -105,9 +105,9 @@ pub struct Entry {
     pub needs: &'static [Need],
     /// How much of a recording it needs at first.
     pub evidence: Evidence,
-    /// What it is asked.
+    /// How it is called.
     pub kind: Kind,
-    /// Adds its limits to the settings of a run: those of the page, and over them these.
+    /// Adds its limits to the settings of a run: those of the page, overridden by these.
     pub add_limits: fn(&mut Settings, &'static Page, BTreeMap<String, Number>),
     /// Whether its limits load with these in place of the page's.
     pub check_limits: fn(&Page, &BTreeMap<String, Number>) -> Result<(), String>,

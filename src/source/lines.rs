@@ -46,7 +46,7 @@ impl LineIndex {
 
     /// Characters that begin before an offset.
     fn before(&self, text: &str, offset: usize) -> usize {
-        // An offset at the end of a full last block belongs to no block of its own.
+        // An offset at the end of a full last block has no block of its own.
         let block = (offset / BLOCK).min(self.characters.len().saturating_sub(1));
         let counted = self.characters.get(block).copied().unwrap_or(0);
         counted + text.as_bytes().get(block * BLOCK..offset).map_or(0, characters)
@@ -87,7 +87,7 @@ mod tests {
         let index = LineIndex::new(text);
         assert_eq!(index.locate(text, 0), LineColumn { line: 1, column: 1 });
         assert_eq!(index.locate(text, 2), LineColumn { line: 2, column: 1 });
-        // "é" takes two bytes: the "c" stands at byte 6, column 4.
+        // "é" takes two bytes: the "c" is at byte 6, column 4.
         assert_eq!(index.locate(text, 6), LineColumn { line: 2, column: 4 });
         assert_eq!(index.locate(text, 999), LineColumn { line: 3, column: 1 });
     }

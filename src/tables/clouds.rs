@@ -14,21 +14,21 @@ pub struct CloudDriver {
     pub name: String,
     /// Fields that a point must have, with their types; `any` for any.
     fields: BTreeMap<String, String>,
-    /// The times of its points; `None` where it tells none.
+    /// The times of its points; `None` if it publishes none.
     #[serde(default)]
     pub time: Option<PointTime>,
-    /// Which way it sweeps, seen from above with z up.
+    /// Its direction of rotation, seen from above with z up.
     #[serde(default)]
     pub sweep: Option<Sweep>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
 
-/// What the times of points mean.
+/// The meaning of the times of points.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointTime {
@@ -36,11 +36,11 @@ pub struct PointTime {
     pub field: String,
     /// Its unit, seconds.
     pub unit_s: f64,
-    /// From when it counts.
+    /// The time from which it counts.
     pub counts_from: CountsFrom,
 }
 
-/// From when the times of points count.
+/// The time from which the times of points count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CountsFrom {
@@ -52,13 +52,13 @@ pub enum CountsFrom {
     Epoch,
 }
 
-/// Which way a lidar sweeps.
+/// The direction of rotation of a lidar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sweep {
-    /// As a clock.
+    /// Clockwise.
     Clockwise,
-    /// Against it.
+    /// Counter-clockwise.
     CounterClockwise,
 }
 
@@ -88,15 +88,18 @@ impl Row for CloudDriver {
         if self.fields.is_empty() || !self.fields.values().all(is_type) {
             return Some((
                 "fields",
-                "names with their types are expected, at least one: any, int8, uint8, int16, uint16, int32, uint32, float32, float64",
+                "at least one name with its type is required: any, int8, uint8, int16, uint16, int32, uint32, float32, float64",
             ));
         }
         let time = self.time.as_ref()?;
         if !(time.unit_s.is_finite() && time.unit_s > 0.0) {
-            return Some(("time", "`unit_s` is the length of its unit in seconds, more than 0"));
+            return Some((
+                "time",
+                "`unit_s` must be the length of its unit in seconds, more than 0",
+            ));
         }
         let is_known = self.fields.contains_key(&time.field);
-        (!is_known).then_some(("time", "its `field` is one of `fields`"))
+        (!is_known).then_some(("time", "its `field` must be one of `fields`"))
     }
 }
 

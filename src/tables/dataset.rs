@@ -13,15 +13,15 @@ pub struct Dataset {
     pub name: String,
     /// Lower-case words by which the configuration names it.
     words: Vec<String>,
-    /// Its frames; the first that a name fits counts.
+    /// Its frames; the first match of a name counts.
     pub frames: Vec<DatasetFrame>,
     /// The order of its quaternions: `wxyz` or `xyzw`.
     #[serde(default)]
     pub quaternion: Option<QuaternionWord>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
@@ -30,11 +30,11 @@ pub struct Dataset {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetFrame {
-    /// Their names, in lower case; `*` stands for any text.
+    /// Their names, in lower case; `*` is any text.
     names: Vec<String>,
     /// Where x, y and z point on the vehicle.
     pub axes: Axes,
-    /// Whether only the axis that is upright is fixed: a camera that looks to the side.
+    /// Whether only the vertical axis is fixed: a camera that looks to the side.
     #[serde(default)]
     pub any_yaw: bool,
 }
@@ -49,7 +49,7 @@ pub enum QuaternionWord {
     Xyzw,
 }
 
-/// Where x, y and z of a frame point: `FLU` is forward, left, up. Right-handed.
+/// The directions of x, y and z of a frame: `FLU` is forward, left, up. Right-handed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Axes {
@@ -74,7 +74,7 @@ impl TryFrom<String> for Axes {
             cross.iter().zip(z).all(|(a, b)| (a - b).abs() < 0.5)
         });
         let vectors = vectors.ok_or_else(|| {
-            format!("`{word}` is no right-handed choice of three of F, B, L, R, U, D, as FLU and RDF are")
+            format!("`{word}` is not a right-handed choice of three of F, B, L, R, U, D, such as FLU or RDF")
         })?;
         Ok(Self { word, vectors })
     }
@@ -99,7 +99,7 @@ impl Dataset {
         word == self.name.to_lowercase() || self.words.contains(&word)
     }
 
-    /// What is known of a frame.
+    /// What is known about a frame.
     pub fn frame(&self, name: &str) -> Option<&DatasetFrame> {
         let name = name.trim_start_matches('/').to_lowercase();
         let fits = |frame: &&DatasetFrame| frame.names.iter().any(|pattern| captured(pattern, &name).is_some());
@@ -114,13 +114,13 @@ impl Row for Dataset {
 
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         if self.words.is_empty() || self.words.iter().any(|word| *word != word.to_lowercase()) {
-            return Some(("words", "words in lower case are expected, at least one"));
+            return Some(("words", "at least one word in lower case is required"));
         }
         let is_well = |frame: &DatasetFrame| {
             !frame.names.is_empty() && frame.names.iter().all(|name| *name == name.to_lowercase())
         };
         let are_well = !self.frames.is_empty() && self.frames.iter().all(is_well);
-        (!are_well).then_some(("frames", "frames with names in lower case are expected, at least one"))
+        (!are_well).then_some(("frames", "at least one frame with names in lower case is required"))
     }
 }
 

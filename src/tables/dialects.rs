@@ -5,21 +5,21 @@ use serde::Deserialize;
 use super::dataset::QuaternionWord;
 use super::rows::Row;
 
-/// What is known of the files of one program.
+/// What is known about the files of one program.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dialect {
     /// One word.
     pub name: String,
-    /// What a file of it is called in a sentence.
+    /// How a file of it is named in a sentence.
     pub says: String,
-    /// Keys by which a file is known: one of these lines fits.
+    /// Keys by which a file is recognised: one of these lines must match.
     pub marks: Vec<String>,
-    /// What stands under its keys.
+    /// The values of its keys.
     pub transforms: Vec<Keyed>,
-    /// Whether somebody read the reader's source, or compared files of one sensor.
+    /// Whether the reader's source was checked, or files of one sensor were compared.
     pub verified: bool,
-    /// Where that is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
@@ -33,7 +33,7 @@ pub struct Keyed {
     /// `A from B`: takes points of B to points of A.
     #[serde(default)]
     pub is: Option<String>,
-    /// Whether the key itself says that.
+    /// Whether the key itself states that.
     #[serde(default)]
     pub as_named: bool,
     /// The unit of lengths.
@@ -54,7 +54,7 @@ pub struct Keyed {
     /// Why the direction is a hint.
     #[serde(default)]
     pub doubt: Option<String>,
-    /// Why the algebra of a quaternion is not told by the file.
+    /// Why the file does not state the algebra of a quaternion.
     #[serde(default)]
     pub algebra_doubt: Option<String>,
 }
@@ -91,13 +91,13 @@ impl Row for Dialect {
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         let has_keys = |keys: &[String]| !keys.is_empty() && keys.iter().all(|key| !key.trim().is_empty());
         if !has_keys(&self.marks) {
-            return Some(("marks", "paths of keys are expected, at least one"));
+            return Some(("marks", "at least one path of keys is required"));
         }
         let is_well = |keyed: &Keyed| {
             let frames = keyed.is.as_ref().is_none_or(|is| is.split_once(" from ").is_some());
             has_keys(&keyed.keys) && frames
         };
         let all_well = self.transforms.iter().all(is_well);
-        (!all_well).then_some(("transforms", "`keys`, and `is: A from B`, are expected"))
+        (!all_well).then_some(("transforms", "`keys`, and `is: A from B`, are required"))
     }
 }

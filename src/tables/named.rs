@@ -6,9 +6,9 @@ use serde::Deserialize;
 
 use super::rows::{Row, Rows};
 
-/// What is known by a word.
+/// Something that is identified by a word.
 pub(super) trait Named: Row {
-    /// Lower-case words by which it is known.
+    /// Lower-case words that identify it.
     fn words(&self) -> &[String];
 }
 
@@ -29,7 +29,7 @@ fn words_fault(words: &[String]) -> Option<(&'static str, &'static str)> {
     let is_well = !words.is_empty() && words.iter().all(is_word);
     (!is_well).then_some((
         "words",
-        "whole words in lower-case letters and digits are expected, at least one",
+        "at least one whole word in lower-case letters and digits is required",
     ))
 }
 
@@ -65,28 +65,28 @@ pub struct InsDriver {
     /// Its name in reports.
     pub name: String,
     words: Vec<String>,
-    /// What the system itself measures in.
+    /// The axes in which the system itself measures.
     pub native: String,
     /// What to set, so that the convention of ROS is published.
     pub setting: String,
-    /// Headings that wrong settings give.
+    /// Headings that result from wrong settings.
     #[serde(default)]
     pub offsets: Vec<Offset>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
 
-/// An angle that yaw minus course takes where a setting is wrong.
+/// The angle of yaw minus course with a wrong setting.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Offset {
     /// Degrees, counter-clockwise.
     pub deg: f64,
-    /// What it is then.
+    /// The cause.
     pub what: String,
     /// What to set.
     pub setting: String,
@@ -102,10 +102,10 @@ pub struct LidarImu {
     /// Position of the inertial sensor in the frame of the cloud, millimetres, where it is published.
     #[serde(default)]
     pub lever_mm: Option<[f64; 3]>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
@@ -119,12 +119,12 @@ pub struct Simulator {
     words: Vec<String>,
     /// Axes of its world.
     pub axes: String,
-    /// The way to those of ROS.
+    /// The conversion to those of ROS.
     pub conversion: String,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
@@ -140,22 +140,22 @@ pub struct Lidar {
     pub sensor: Forward,
     /// That of the clouds that its driver for ROS publishes.
     pub driver: Forward,
-    /// Which way it sweeps, seen from above with z up.
+    /// Its direction of rotation, seen from above with z up.
     #[serde(default)]
     pub sweep: Option<super::Sweep>,
-    /// Keys under which a configuration of its driver holds a transform that the driver itself applies to every point.
+    /// Keys of its driver's configuration for a transform that the driver itself applies to every point.
     #[serde(default)]
     pub transform_keys: Vec<String>,
-    /// Whether it does so only where that is switched on.
+    /// Whether it does so only if that is switched on.
     #[serde(default)]
     pub transform_by_setting: bool,
-    /// Message types of packets that hold its points unread.
+    /// Message types of packets with its points.
     #[serde(default)]
     pub packets: Vec<String>,
-    /// Whether somebody looked into the source.
+    /// Whether the source was checked.
     #[serde(default)]
     pub verified: bool,
-    /// Where it is written.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
@@ -175,7 +175,7 @@ pub enum Forward {
     X,
     /// y forward, x right.
     Y,
-    /// Either of x and -x, by a setting of the driver.
+    /// Either x or -x, by a setting of the driver.
     XOrBack,
 }
 

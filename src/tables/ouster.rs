@@ -1,4 +1,4 @@
-//! Where the parts of an Ouster are in its Sensor frame, and how far its beams begin from its axis.
+//! Where the parts of an Ouster are in its Sensor frame, and the distance of its beams' origin from its axis.
 
 use serde::Deserialize;
 
@@ -8,11 +8,11 @@ use super::rows::Row;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OusterPart {
-    /// The beams: turned by 180 degrees about z.
+    /// The beams: rotated by 180 degrees about z.
     Lidar,
-    /// The inertial sensor: not turned.
+    /// The inertial sensor: not rotated.
     Imu,
-    /// Where a beam begins, in the Lidar frame: on x, not turned.
+    /// The origin of a beam, in the Lidar frame: on x, not rotated.
     Beam,
 }
 
@@ -24,24 +24,24 @@ pub struct OusterPlace {
     pub part: OusterPart,
     /// The models, in words.
     pub models: String,
-    /// Product lines that it is of, as metadata begin them: `OS-1`.
+    /// Its product lines, the beginning of the name in metadata: `OS-1`.
     #[serde(default)]
     lines: Vec<String>,
-    /// Boards that it is of: the word of the firmware's image (`aries`, `bootes`); any where there is none.
+    /// Its boards: the word of the firmware's image (`aries`, `bootes`); any if there is none.
     #[serde(default)]
     boards: Vec<String>,
-    /// Its place in the Sensor frame, of a beam in the Lidar frame, millimetres.
+    /// Its position in the Sensor frame, of a beam in the Lidar frame, millimetres.
     pub xyz_mm: [f64; 3],
-    /// Whether somebody read it in metadata that a sensor wrote.
+    /// Whether it was read in metadata that a sensor wrote.
     #[serde(default)]
     pub verified: bool,
-    /// Where.
+    /// The source.
     #[serde(default)]
     pub source: String,
 }
 
 impl OusterPlace {
-    /// Whether a sensor of this product line with this image of the firmware may have it; what is not known speaks against nothing.
+    /// Whether a sensor of this product line with this image of the firmware may have it; unknown values exclude nothing.
     pub fn may_be_of(&self, line: Option<&str>, image: Option<&str>) -> bool {
         let is_line =
             line.is_none_or(|line| self.lines.is_empty() || self.lines.iter().any(|known| is_of_line(line, known)));
@@ -68,10 +68,10 @@ impl Row for OusterPlace {
 
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         if self.models.is_empty() {
-            return Some(("models", "the models in words are expected"));
+            return Some(("models", "the models are required, in words"));
         }
         let is_finite = self.xyz_mm.iter().all(|value| value.is_finite());
-        (!is_finite).then_some(("xyz_mm", "three finite numbers are expected"))
+        (!is_finite).then_some(("xyz_mm", "three finite numbers are required"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What rules need to have at hand, and how it is had.
+//! What rules need as input, and how to provide it.
 
 use std::sync::LazyLock;
 
@@ -31,7 +31,7 @@ pub fn is_known(kind: &str) -> bool {
     rows().iter().any(|row| row.kind == kind)
 }
 
-/// What is needed of these kinds, and how it is had, in words; `None` where no kind is known.
+/// What is needed of these kinds, and how to provide it, in words; `None` if no kind is known.
 pub fn advice(kinds: &[&str]) -> Option<String> {
     let known = kinds
         .iter()

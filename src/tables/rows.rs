@@ -1,7 +1,7 @@
 //! Rows of a table: the user's own in front of those that come with the program.
 //!
-//! Owns their reading. A table of ours that does not read is a fault of ours: the tests hold every one, and without it a table is
-//! empty and answers nothing.
+//! Owns their reading. A table of this program that cannot be read is a bug here: the tests read every one. At run time such a table is
+//! empty.
 
 use std::fmt;
 use std::sync::{Arc, LazyLock};
@@ -9,12 +9,12 @@ use std::sync::{Arc, LazyLock};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-/// What a row must be beyond its types.
+/// Conditions on a row beyond its types.
 pub trait Row: DeserializeOwned {
-    /// Where it is written; a user's row need not say it, and gets its own place.
+    /// Its source; a user's row may omit it, and gets its own place.
     fn source_mut(&mut self) -> &mut String;
 
-    /// The key that is wrong, and what is expected of it.
+    /// The key that is wrong, and what it requires.
     fn fault(&self) -> Option<(&'static str, &'static str)> {
         None
     }
@@ -47,7 +47,7 @@ impl<T> Rows<T> {
 }
 
 impl<T: Row> Rows<T> {
-    /// Adds a row of the user's behind those that were added before it.
+    /// Adds a row of the user's after those that were added before it.
     pub(super) fn add(&mut self, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
         self.own.push(Arc::new(parsed(row, origin)?));
         Ok(())
@@ -55,7 +55,7 @@ impl<T: Row> Rows<T> {
 }
 
 impl<T> Rows<T> {
-    /// All of them; the first that fits counts.
+    /// All of them; the first match counts.
     pub fn iter(&self) -> impl Iterator<Item = &Arc<T>> {
         self.own.iter().chain(self.built_in.iter())
     }
@@ -81,12 +81,12 @@ impl<T: fmt::Debug> fmt::Debug for Rows<T> {
     }
 }
 
-/// What is wrong with a row of the user's.
+/// The fault of a row of the user's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowFault {
-    /// The keys from the row down to what is wrong; empty where it is the row itself.
+    /// The keys from the row down to the fault; empty if it is the row itself.
     pub keys: Vec<String>,
-    /// What is wrong, in words.
+    /// The message.
     pub message: String,
 }
 
@@ -116,7 +116,7 @@ fn parsed<T: Row>(row: &serde_yaml::Value, origin: &str) -> Result<T, RowFault> 
     Ok(typed)
 }
 
-/// The key without which the error is another one, and so on inside of it: errors of typed values have no place of their own.
+/// The key whose removal changes the error, and so on inside of it: errors of typed values have no place of their own.
 fn culprit<T: Row>(row: &serde_yaml::Value, message: &str) -> Vec<String> {
     let mut keys: Vec<String> = Vec::new();
     loop {

@@ -1,4 +1,4 @@
-//! What there is to be seen of rules, and where.
+//! What is visible of rules in the views, and where.
 
 use std::sync::LazyLock;
 
@@ -6,24 +6,24 @@ use serde::Deserialize;
 
 use super::table;
 
-/// An entity of the views, and what to look for there.
+/// An entity of the views, and what it shows.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct View {
-    /// What the pages of rules call it.
+    /// Its name in the pages of rules.
     pub id: String,
-    /// The entity, or that which it stands beneath: `time/inertial`; `None` where there is nothing to be seen.
+    /// The entity, or the one above it: `time/inertial`; `None` if there is nothing visible.
     #[serde(default)]
     pub see: Option<String>,
-    /// What its name, or that of an entity beneath it, holds: `points of`; empty where any will do.
+    /// A part of its name, or of an entity below it: `points of`; empty for any name.
     #[serde(default)]
     pub named: String,
-    /// What is to be seen there, or why nothing is.
+    /// What is visible there, or why nothing is.
     pub what: String,
 }
 
 impl View {
-    /// The entity in words, where there is one: `world/... points of ...`.
+    /// The entity in words, if there is one: `world/... points of ...`.
     pub fn words(&self) -> Option<String> {
         let see = self.see.as_ref()?;
         Some(match self.named.trim() {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::table;
 
-/// How the files of one dialect look.
+/// The form of the files of one dialect.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Writing {
@@ -14,9 +14,9 @@ pub struct Writing {
     pub dialect: String,
     /// The ending of its files' names.
     pub ending: String,
-    /// The file; its transforms stand in the place of `{items}`.
+    /// The file, with `{items}` in the place of its transforms.
     pub file: String,
-    /// What stands between two transforms; without it a file holds one.
+    /// The separator of two transforms; without it a file has one.
     #[serde(default)]
     pub join: Option<String>,
     /// The number of the first camera.
@@ -30,9 +30,9 @@ pub struct Writing {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WrittenTransform {
-    /// Its key, as the table of dialects has it first; what it is, its units and order stand there.
+    /// Its key, the first one in the table of dialects, which has its meaning, units and order.
     pub key: String,
-    /// `A from B`, where the table of dialects leaves that to the file.
+    /// `A from B`, if the table of dialects leaves that to the file.
     #[serde(default)]
     pub is: Option<String>,
     /// The text, with `{tx}`, `{qw}`, `{T}` and so on in it.
@@ -47,7 +47,7 @@ struct File {
     rows: Vec<Writing>,
 }
 
-/// All that is known of writing. Empty where the table of ours does not read, which a test rules out.
+/// All known forms. Empty if the program's table cannot be read, which a test excludes.
 pub fn writings() -> &'static [Writing] {
     static WRITINGS: LazyLock<Vec<Writing>> =
         LazyLock::new(|| table!("calibration-writing").map_or_else(|_| Vec::new(), |file: File| file.rows));

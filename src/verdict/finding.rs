@@ -253,8 +253,9 @@ impl Finding {
 
     /// Evidence in sentences, behind the headline: what was compared with what, what else fits.
     #[must_use]
-    pub fn detail(mut self, detail: impl Into<String>) -> Self {
-        self.detail = detail.into();
+    pub fn detail(mut self, sentence: impl AsRef<str>) -> Self {
+        let space = if self.detail.is_empty() { "" } else { " " };
+        self.detail = format!("{}{space}{}", self.detail, sentence.as_ref());
         self
     }
 

@@ -11,10 +11,10 @@ use super::content::{ContentEvidence, StepEvidence};
 use super::frame::FrameId;
 use super::motion::{PoseRow, Series};
 
-/// Sets a bound on every list of examples kept in evidence.
+/// Bound on every list of examples kept in evidence.
 pub const MAX_EXAMPLES: usize = 8;
 
-/// The header stamps of one topic, against the log clock.
+/// The header stamps of one topic, compared with the log clock.
 ///
 /// Steps are taken between neighbouring stamps that are not zero, in recording order: a zero stamp is a fault of its
 /// own, and the steps to and from it would hide what the other stamps do.
@@ -55,10 +55,10 @@ pub struct Contradictions {
     pub count: u64,
     /// The one that differs most, by 0.1° as by 1 mm.
     pub worst: MessageRef,
-    /// How far it is turned against the one before, radians.
+    /// Rotation from the one before, radians.
     #[serde(with = "super::number")]
     pub angle_rad: f64,
-    /// How far apart the two are, metres.
+    /// Distance between the two, metres.
     #[serde(with = "super::number")]
     pub distance_m: f64,
 }
@@ -79,9 +79,9 @@ pub struct TopicEvidence {
     pub topic: String,
     /// Type of its messages (`sensor_msgs/msg/Imu`).
     pub message_type: String,
-    /// Messages read; zero for a topic that the recording names and nobody published on.
+    /// Messages read; zero for a topic that the recording names and that has no messages.
     pub count: u64,
-    /// Messages in the whole recording, where its index says.
+    /// Messages in the whole recording, if its index states it.
     pub total: Option<u64>,
     /// Whether late subscribers get the last message again (`latching` of ROS 1, `transient_local` of ROS 2).
     pub latched: bool,
@@ -95,7 +95,7 @@ pub struct TopicEvidence {
     pub offered_qos_profiles: Option<String>,
     /// Why nothing inside the messages could be read; `None` when they could.
     pub unread: Option<String>,
-    /// Messages whose bytes did not decode, with the first one's error.
+    /// Messages whose bytes could not be decoded, with the first one's error.
     pub malformed: u64,
     /// The first malformed message and what was wrong.
     pub first_malformed: Option<(MessageRef, String)>,
@@ -105,18 +105,18 @@ pub struct TopicEvidence {
     pub child_frames: BTreeMap<FrameId, HeaderFrame>,
     /// Header stamps.
     pub stamps: StampEvidence,
-    /// What the messages say beyond their header.
+    /// The content of the messages beyond their header.
     pub content: ContentEvidence,
-    /// What stands inside messages that are of no standard type themselves and says what a standard type would: by field
+    /// Parts of messages that are not of a standard type, with the content of a standard type: by field
     /// (`imu`), or the fields it is made of (`lat, lon, alt`).
     #[serde(default)]
     pub members: BTreeMap<String, MemberEvidence>,
 }
 
-/// A part of the messages of a topic that says what a message of a standard type would.
+/// A part of the messages of a topic with the content of a standard type.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MemberEvidence {
-    /// Whether only the names of plain fields say what it is, not a type: it may be a target, or where another vehicle is.
+    /// Whether it was recognised by the names of plain fields only, not by a type: it may be a target, or where another vehicle is.
     pub guessed: bool,
     /// `header.frame_id` values: its own, or the message's where its own is empty.
     pub header_frames: BTreeMap<FrameId, HeaderFrame>,
@@ -124,18 +124,18 @@ pub struct MemberEvidence {
     pub child_frames: BTreeMap<FrameId, HeaderFrame>,
     /// First message that carries it.
     pub first: Option<MessageRef>,
-    /// What it says beyond its header.
+    /// Its content beyond its header.
     pub content: ContentEvidence,
 }
 
-/// What a topic's messages say beyond their header: themselves, or a member of them.
+/// The content of a topic's messages beyond their header: of the messages themselves, or of a member.
 #[derive(Clone, Copy, Debug)]
 pub struct Said<'e> {
     /// The topic.
     pub topic: &'e TopicEvidence,
     /// The member's field.
     pub field: Option<&'e str>,
-    /// Whether only the names of plain fields say what it is.
+    /// Whether it was recognised by the names of plain fields only.
     pub guessed: bool,
     /// `header.frame_id` values.
     pub header_frames: &'e BTreeMap<FrameId, HeaderFrame>,
@@ -143,12 +143,12 @@ pub struct Said<'e> {
     pub child_frames: &'e BTreeMap<FrameId, HeaderFrame>,
     /// First message.
     pub first: Option<&'e MessageRef>,
-    /// What it says.
+    /// Its content.
     pub content: &'e ContentEvidence,
 }
 
 impl Said<'_> {
-    /// What reports call it: ``topic `/imu` ``, ``topic `/imu` (field `imu`)``.
+    /// Its name in reports: ``topic `/imu` ``, ``topic `/imu` (field `imu`)``.
     pub fn subject(&self) -> String {
         match self.field {
             None => format!("topic `{}`", self.topic.topic),
@@ -163,7 +163,7 @@ impl TopicEvidence {
         self.message_type.rsplit(['/', '.']).next().unwrap_or_default()
     }
 
-    /// The lower-case words of everything that is named around it: topic, type, frames and writers.
+    /// The lower-case words of all names around it: topic, type, frames and writers.
     pub fn words(&self) -> Vec<String> {
         let names = [self.topic.as_str(), self.message_type.as_str()].into_iter();
         let names = names.chain(self.header_frames.keys().map(FrameId::as_str));
@@ -171,7 +171,7 @@ impl TopicEvidence {
         names.flat_map(|name| FrameId::new(name).tokens()).collect()
     }
 
-    /// What its messages say themselves, and every member of them.
+    /// The content of its messages themselves, and of every member of them.
     pub fn said(&self) -> impl Iterator<Item = Said<'_>> {
         let whole = Said {
             topic: self,
@@ -194,7 +194,7 @@ impl TopicEvidence {
         std::iter::once(whole).chain(members)
     }
 
-    /// Whether the recording holds messages of the topic that were not read.
+    /// Whether the recording has messages of the topic that were not read.
     pub fn has_more(&self) -> bool {
         self.total.is_some_and(|total| total > self.count)
     }
@@ -251,7 +251,7 @@ pub struct TfEdge {
     /// Evenly thinned valid samples in recording order, the first and last among them.
     pub samples: Vec<TfSample>,
     /// The sample that differs most from the first, with its difference: radians and metres. `None` where none differs.
-    /// Angle and distance are weighed against each other as 0.1° against 1 mm, so that neither hides the other.
+    /// An angle of 0.1° weighs as much as a distance of 1 mm, so that neither hides the other.
     pub extreme: Option<(TfSample, f64, f64)>,
     /// Numbers that are NaN or infinite.
     pub non_finite: Faults,
@@ -264,20 +264,20 @@ pub struct TfEdge {
     pub worst_norm_error: f64,
     /// Stamps of the edge.
     pub stamps: StampEvidence,
-    /// Transforms that repeat the stamp of the one before, and say something else.
+    /// Transforms that repeat the stamp of the one before, with other numbers.
     #[serde(default)]
     pub contradictions: Option<Contradictions>,
     /// How the pose moves.
     pub steps: StepEvidence,
     /// Transforms by writer, where the format knows (`callerid` of ROS 1).
     pub writers: BTreeMap<String, u64>,
-    /// The poses row by row, where they change; of an edge that is not static.
+    /// The poses row by row, if they change; of an edge that is not static.
     #[serde(default)]
     pub motion: Option<Series<PoseRow>>,
 }
 
 impl TfEdge {
-    /// An edge of one transform, published once; static where its topic is.
+    /// An edge of one transform, published once; static if its topic is.
     pub fn once(parent: FrameId, child: FrameId, sample: TfSample) -> Self {
         let at = sample.at.clone();
         Self {
@@ -313,7 +313,7 @@ impl TfEdge {
 pub struct ParentSwitch {
     /// The child, as tf2 stores it.
     pub child: FrameId,
-    /// The different parents, the first one included, in the order they first took over; at most a few.
+    /// The different parents, the first one included, in the order of their first use; at most a few.
     pub parents: Vec<FrameId>,
     /// Number of changes.
     pub switches: u64,
@@ -336,7 +336,7 @@ pub struct Part {
     pub static_transforms: bool,
 }
 
-/// What one recording showed.
+/// The evidence of one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BagEvidence {
     /// The recording.
@@ -353,14 +353,14 @@ pub struct BagEvidence {
     pub tf: Vec<TfEdge>,
     /// Children whose parent changes.
     pub parent_switches: Vec<ParentSwitch>,
-    /// Whether the end of the recording could not be read: absence proves nothing.
+    /// Whether the end of the recording could not be read: the absence of a message proves nothing.
     pub truncated: bool,
     /// The files of a split recording, in order; empty where the recording is one file.
     #[serde(default)]
     pub parts: Vec<Part>,
     /// How much of the recording was examined.
     pub share: Share,
-    /// Names and keys of what the recording holds beside messages: metadata records and attachments.
+    /// Names and keys of what the recording has besides messages: metadata records and attachments.
     pub annotations: BTreeMap<String, BTreeMap<String, String>>,
 }
 
@@ -369,11 +369,11 @@ pub struct BagEvidence {
 pub struct Share {
     /// Whether every message was read that the file holds (before a fault).
     pub whole: bool,
-    /// Messages in the whole recording, where its index says.
+    /// Messages in the whole recording, if its index states it.
     pub messages_total: Option<u64>,
     /// First and last log time of the whole recording, nanoseconds.
     pub span_ns: Option<(i64, i64)>,
-    /// First and last log time of every unbroken stretch that was read, nanoseconds, in recording order.
+    /// First and last log time of every unbroken section that was read, nanoseconds, in recording order.
     pub stretches_ns: Vec<(i64, i64)>,
 }
 
@@ -405,7 +405,7 @@ impl BagEvidence {
         }
     }
 
-    /// The part of the messages that was examined, 0 to 1, where that is not all of them.
+    /// The part of the messages that was examined, 0 to 1, if that is not all of them.
     pub fn share_of_messages(&self) -> Option<f64> {
         let total = self.share.messages_total.filter(|_| !self.share.whole)?;
         Some(self.messages as f64 / total.max(1) as f64)

@@ -1,4 +1,4 @@
-//! Evidence of what cameras say: their calibrations, and the size of their images. Bounded, as published.
+//! Evidence of cameras: their calibrations, and the size of their images. Bounded, as published.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ pub const MAX_CALIBRATIONS: usize = 8;
 /// Different forms of images of one topic that are kept.
 pub const MAX_FORMS: usize = 8;
 
-/// What a camera makes of directions, as `sensor_msgs/msg/CameraInfo` has it.
+/// The camera model, as in `sensor_msgs/msg/CameraInfo`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CameraModel {
     /// Width and height of the calibrated image, pixels.
@@ -28,9 +28,9 @@ pub struct CameraModel {
     /// Projection of the rectified image, row-major 3x4, pixels; its fourth column pixels times metres.
     #[serde(with = "super::number::array")]
     pub p: [f64; 12],
-    /// Pixels taken together, across and down; 0 is 1.
+    /// Pixels that are binned, horizontally and vertically; 0 is 1.
     pub binning: [u32; 2],
-    /// The part that images show, pixels of the full image: left, top, width, height; all zeros is all of it.
+    /// The part that images show, pixels of the full image: left, top, width, height; all zeros is the whole image.
     pub roi: [u32; 4],
 }
 
@@ -39,9 +39,9 @@ pub struct CameraModel {
 pub struct Calibration {
     /// The first message that has it.
     pub at: MessageRef,
-    /// How many have it.
+    /// How many messages have it.
     pub count: u64,
-    /// What it says.
+    /// Its content.
     #[serde(flatten)]
     pub camera: CameraModel,
 }
@@ -53,7 +53,7 @@ pub struct CameraFile {
     pub name: String,
     /// Its camera matrix.
     pub place: Place,
-    /// What it says.
+    /// Its content.
     pub camera: CameraModel,
 }
 
@@ -73,7 +73,7 @@ pub struct CalibrationEvidence {
 pub struct ImageForm {
     /// The first image of the form.
     pub at: MessageRef,
-    /// How many have it.
+    /// How many messages have it.
     pub count: u64,
     /// Width and height, pixels.
     pub size: [u32; 2],

@@ -1,6 +1,6 @@
-//! Declared chains of transforms: `world_T_odom = world_T_map * map_T_odom` written down in a file.
+//! Declared chains of transforms: `world_T_odom = world_T_map * map_T_odom` in a file.
 //!
-//! Owns the chain as a noun and how its text is taken apart. Whether its frames cancel is for a rule to say.
+//! Owns the chain and the parsing of its text. A rule decides whether its frames cancel.
 
 use std::ops::Range;
 
@@ -17,32 +17,32 @@ pub struct DeclaredChain {
     pub text: String,
     /// The whole text.
     pub place: Place,
-    /// The factors from left to right, inverses already turned round, each with the span of its text.
-    /// Empty where a factor was not understood: see `not_understood`.
+    /// The factors from left to right, with inverses already applied, each with the span of its text.
+    /// Empty if a factor was not understood: see `not_understood`.
     pub factors: Vec<(TransformName, Span)>,
-    /// What the product is declared to be, where the text says so.
+    /// The declared result of the product, if the text states it.
     pub result: Option<(TransformName, Span)>,
-    /// The first factor (or result) that is no name of a transform.
+    /// The first factor (or result) that is not the name of a transform.
     pub not_understood: Option<String>,
-    /// Whether the names are members of several objects: what one calls `imu` need not be what another does.
+    /// Whether the names are members of several objects: `imu` of one may be another frame than `imu` of another.
     #[serde(default)]
     pub is_loose: bool,
 }
 
-/// A chain taken apart; ranges count bytes of its text.
+/// A parsed chain; ranges count bytes of its text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Factors {
     /// The factors from left to right.
     pub factors: Vec<(TransformName, Range<usize>)>,
     /// The declared result.
     pub result: Option<(TransformName, Range<usize>)>,
-    /// The first part that is no name of a transform.
+    /// The first part that is not the name of a transform.
     pub not_understood: Option<String>,
 }
 
-/// Takes a chain apart: factors joined by `*`, `@` or `·`, perhaps after `result =`. A factor may carry a time
-/// (`map_T_odom(t)`) and may be inverted (`inv(a_T_b)`, `a_T_b.inverse()`, `a_T_b^-1`). `None` where the text is no
-/// product and no equation at all.
+/// Parses a chain: factors joined by `*`, `@` or `·`, perhaps after `result =`. A factor may carry a time
+/// (`map_T_odom(t)`) and may be inverted (`inv(a_T_b)`, `a_T_b.inverse()`, `a_T_b^-1`). `None` if the text is neither a
+/// product nor an equation.
 pub fn parse(text: &str) -> Option<Factors> {
     if text.len() > 4096 || !text.contains(['*', '@', '·', '=']) {
         return None;
@@ -82,7 +82,7 @@ pub fn parse(text: &str) -> Option<Factors> {
     Some(chain)
 }
 
-/// The range without white space at its ends.
+/// The range without whitespace at its ends.
 fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
     let Some(piece) = text.get(range.clone()) else {
         return range;

@@ -63,14 +63,14 @@ impl Pose {
 pub struct Literal {
     /// The text, for example `1.57` or `-0.0`.
     pub text: CompactString,
-    /// Its value; NaN where the text is no number.
+    /// Its value; NaN if the text is not a number.
     #[serde(with = "super::number")]
     pub value: f64,
-    /// Where it stands in the source's text.
+    /// Its place in the source's text.
     pub span: Span,
 }
 
-/// How the numbers of a claim were written down.
+/// How the numbers of a claim were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spelling {
@@ -129,7 +129,7 @@ pub enum ClaimKind {
     File {
         /// The dialect it was read as (`generic`, `autoware`, ...).
         dialect: String,
-        /// Whether its frames are what the dialect's program calls its sensors (`lidar`, `imu`), and no names of the platform's frames.
+        /// Whether its frames are the dialect's words for sensors (`lidar`, `imu`), not names of the platform's frames.
         #[serde(default)]
         roles: bool,
     },
@@ -148,11 +148,11 @@ pub enum Doubt {
 /// One source's statement of a transform between two frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
-    /// `(target, source)` of `target_from_source`; for TF words: `(parent, child)`. `None` where the file does not say.
+    /// `(target, source)` of `target_from_source`; for TF words: `(parent, child)`. `None` if the file does not state them.
     pub frames: Option<(FrameId, FrameId)>,
-    /// What the statement is called where it stands: the joint's name, or the path of keys (`cam0/T_cam_imu`).
+    /// The name of the statement in its source: the joint's name, or the path of keys (`cam0/T_cam_imu`).
     pub label: String,
-    /// The transform, where the numbers make one. Rotation-only claims have zero translation, and the other way round:
+    /// The transform, if the numbers are one. Rotation-only claims have zero translation, and vice versa:
     /// see `has_translation` and `has_rotation`.
     pub pose: Option<Pose>,
     /// Whether a rotation was stated.
@@ -161,18 +161,18 @@ pub struct Claim {
     pub has_translation: bool,
     /// The numbers as written.
     pub spelling: Spelling,
-    /// Literals of the translation (up to three), in order; empty where there is no text.
+    /// Literals of the translation (up to three), in order; empty if there is no text.
     pub translation_literals: Vec<Literal>,
-    /// Literals of the rotation, or of the whole matrix; empty where there is no text.
+    /// Literals of the rotation, or of the whole matrix; empty if there is no text.
     pub rotation_literals: Vec<Literal>,
-    /// What kind of source states it.
+    /// The kind of source that states it.
     pub kind: ClaimKind,
     /// How sure the reading of frames and direction is.
     pub reading: Confidence,
-    /// What is in doubt, where its dialect is ambiguous and the user does not say.
+    /// What is in doubt, if its dialect is ambiguous and the user does not declare it.
     #[serde(default)]
     pub doubt: Option<Doubt>,
-    /// Where the statement stands.
+    /// The place of the statement.
     pub place: Place,
     /// Where the target (parent) frame is named, if it is.
     pub target_place: Option<Place>,
@@ -201,7 +201,7 @@ impl Claim {
         matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes")
     }
 
-    /// Whether the claim holds at all times: not the zero position of a moving joint.
+    /// Whether the claim is valid at all times: not the zero position of a moving joint.
     pub fn is_rigid(&self) -> bool {
         !matches!(self.kind, ClaimKind::Joint { fixed: false, .. })
     }
@@ -214,7 +214,7 @@ impl Claim {
         }
     }
 
-    /// Takes over the frames and direction that the user states.
+    /// Sets the frames and direction to those that the user declares.
     pub(super) fn declare_frames(&mut self, target: &FrameId, source: &FrameId) {
         self.frames = Some((target.clone(), source.clone()));
         self.reading = Confidence::Certain;
@@ -226,7 +226,7 @@ impl Claim {
         }
     }
 
-    /// Puts the platform's names in the place of names that the user says stand for them. Says whether both are known.
+    /// Replaces names by the platform's names that the user declares for them. Returns whether both are known.
     pub(super) fn rename(&mut self, platform_name: impl Fn(&FrameId) -> Option<FrameId>) -> bool {
         let Some((target, source)) = &mut self.frames else {
             return false;
@@ -245,7 +245,7 @@ impl Claim {
         is_known
     }
 
-    /// Reads a quaternion as it is declared to be written. An order that keys or the format fix stays.
+    /// Applies a declared convention to a quaternion. An order that keys or the format fix stays.
     pub(super) fn declare(&mut self, convention: Convention) {
         let Spelling::Quaternion { xyz, xyzw, order_known } = &mut self.spelling else {
             return;

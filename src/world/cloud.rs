@@ -1,4 +1,4 @@
-//! Evidence of what lidars see: layouts of points, samples of clouds, and what every cloud's times and coordinates reach to.
+//! Evidence of lidars: layouts of points, samples of clouds, and the ranges of every cloud's times and coordinates.
 //! Bounded, as published.
 
 use serde::{Deserialize, Serialize};
@@ -12,14 +12,14 @@ pub const MAX_SAMPLES: usize = 20;
 /// Points that are kept of a cloud.
 pub const MAX_POINTS: usize = 4096;
 
-/// What the points of a topic hold.
+/// The layout of the points of a topic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CloudLayout {
     /// The first cloud of the layout.
     pub at: MessageRef,
     /// How many clouds have it.
     pub count: u64,
-    /// What a point holds, in the order of the message.
+    /// The fields of a point, in the order of the message.
     pub fields: Vec<PointField>,
     /// Whether its numbers are big-endian.
     pub is_bigendian: bool,
@@ -30,7 +30,7 @@ pub struct CloudLayout {
 pub struct PointField {
     /// Name.
     pub name: String,
-    /// `float32`, `uint32`; the number as published where it is none that is known.
+    /// `float32`, `uint32`; the number as published if it is unknown.
     pub datatype: String,
     /// How many of them.
     pub count: u32,
@@ -43,9 +43,9 @@ pub struct CloudSample {
     pub at: MessageRef,
     /// Rows and columns; one row where the cloud is not organised.
     pub size: [u32; 2],
-    /// Points with finite coordinates that are not all zero, of all that were looked at.
+    /// Points with finite coordinates that are not all zero, of all that were examined.
     pub returns: u64,
-    /// Points that were looked at.
+    /// Points that were examined.
     pub looked_at: u64,
     /// The points with a return that are kept.
     pub points: Vec<CloudPoint>,
@@ -54,10 +54,10 @@ pub struct CloudSample {
 }
 
 /// The points of one cloud near the plane of its x and y: the nearest in each of [`SLICE_BINS`] directions, of those above that plane
-/// and of those beneath it.
+/// and of those below it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CloudSlice {
-    /// Stamp of its header, nanoseconds; none where that is zero.
+    /// Stamp of its header, nanoseconds; none if that is zero.
     pub stamp_ns: Option<i64>,
     /// Log time, nanoseconds.
     pub log_ns: i64,
@@ -99,16 +99,16 @@ pub struct PointTimes {
     /// The smallest and the largest of points with a return.
     #[serde(with = "super::number::array")]
     pub range: [f64; 2],
-    /// 0.1 and 99.9 per cent of them are beneath.
+    /// The percentiles 0.1 and 99.9.
     #[serde(with = "super::number::array")]
     pub quantiles: [f64; 2],
     /// Different ones, counted up to [`MAX_DISTINCT`].
     pub distinct: u32,
-    /// A time that they count from beside that of the header, nanoseconds.
+    /// The time from which they count, if it is not that of the header, nanoseconds.
     pub timebase_ns: Option<u64>,
 }
 
-/// Up to which different times are counted.
+/// Different times are counted up to this number.
 pub const MAX_DISTINCT: u32 = 64;
 
 /// The clouds of one topic.
@@ -120,7 +120,7 @@ pub struct CloudEvidence {
     pub layouts: Vec<CloudLayout>,
     /// Messages of others.
     pub others: u64,
-    /// Messages whose data end before the points that they say they have, and the first of them.
+    /// Messages whose data end before the number of points that they claim, and the first of them.
     pub cut: u64,
     /// The first of them.
     pub first_cut: Option<MessageRef>,
@@ -128,6 +128,6 @@ pub struct CloudEvidence {
     pub samples: Vec<CloudSample>,
     /// Evenly thinned runs of clouds that follow each other.
     pub runs: Vec<Vec<CloudSlice>>,
-    /// The cloud with the largest coordinate, of those looked at, and that coordinate, metres as published.
+    /// The cloud with the largest coordinate, of those examined, and that coordinate, metres as published.
     pub farthest: Option<(MessageRef, f64)>,
 }

@@ -1,4 +1,4 @@
-//! Evidence of what messages say beyond their header: motion, fixes, covariances. Bounded measurements, no messages.
+//! Evidence of the content of messages beyond their header: motion, fixes, covariances. Bounded measurements, no messages.
 
 use std::collections::BTreeMap;
 
@@ -43,7 +43,7 @@ pub struct Step {
     pub surprise_rad: f64,
 }
 
-/// A step that stands out, with the poses it lies between.
+/// A conspicuous step, with the poses before and after it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepAt {
     /// The step.
@@ -54,8 +54,8 @@ pub struct StepAt {
     pub after: PoseAt,
 }
 
-/// How a stream of poses moves from one to the next, in recording order. Poses whose stamp is zero or does not grow are
-/// passed over; a stamp that falls back by more than a second is a clock that started anew, as behind a seam.
+/// How a stream of poses moves from one to the next, in recording order. Poses whose stamp is zero or does not increase are
+/// skipped; a stamp that jumps back by more than a second is a restarted clock, treated like a seam.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepEvidence {
     /// Steps taken.
@@ -70,7 +70,7 @@ pub struct StepEvidence {
     pub widest: Vec<StepAt>,
     /// The steps with the largest `surprise_m`, the largest first.
     pub most_surprising: Vec<StepAt>,
-    /// Steps by more than 1 mm or 0.05° that the next step undoes to within a fifth: two writers taking turns.
+    /// Steps by more than 1 mm or 0.05° that the next step undoes to within a fifth: two writers that alternate.
     pub undone: u64,
     /// The first of them.
     pub first_undone: Option<StepAt>,
@@ -99,7 +99,7 @@ pub struct FixAt {
 pub struct FixEvidence {
     /// Messages.
     pub count: u64,
-    /// Messages whose status says that there is no fix.
+    /// Messages whose status is "no fix".
     pub no_fix: u64,
     /// Evenly thinned fixes, the first and last among them.
     pub samples: Vec<FixAt>,
@@ -116,7 +116,7 @@ pub struct FixEvidence {
 pub struct CovarianceAt {
     /// The first message that carries it.
     pub at: MessageRef,
-    /// How many messages carry these very numbers, as far as counted.
+    /// How many messages carry exactly these numbers, as far as counted.
     pub count: u64,
     /// Row-major: 9 or 36 numbers.
     #[serde(with = "super::number::list")]
@@ -128,22 +128,22 @@ pub struct CovarianceAt {
 pub struct CovarianceEvidence {
     /// Messages that carry the field.
     pub count: u64,
-    /// Different matrices: the first few, and then evenly thinned ones; of two in turn, each counts its own.
+    /// Different matrices: the first few, and then evenly thinned ones; of two that alternate, each is counted.
     pub samples: Vec<CovarianceAt>,
-    /// Messages whose matrix holds a number that is not finite, and the first.
+    /// Messages whose matrix has a number that is not finite, and the first.
     pub non_finite: (u64, Option<CovarianceAt>),
     /// Messages whose matrix is all zeros.
     pub all_zero: u64,
-    /// Messages whose first number is -1: the field is said to hold nothing (`sensor_msgs/Imu`).
+    /// Messages whose first number is -1: the field is declared as not provided (`sensor_msgs/Imu`).
     pub minus_one: u64,
-    /// Of the finite matrices that are not all zeros, and that do not say with a -1 that they hold nothing: the one with
+    /// Of the finite matrices that are not all zeros, and not declared as not provided by a -1: the one with
     /// the largest asymmetry `max |a_ij - a_ji| / max |a|`, and that asymmetry.
     pub most_asymmetric: Option<(f64, CovarianceAt)>,
     /// Of the same matrices the one with the smallest `smallest eigenvalue of (C + Cᵀ)/2, over max |a|`, and that ratio.
     pub least_positive: Option<(f64, CovarianceAt)>,
 }
 
-/// What inertial messages say: enough to know whether they carry an orientation at all.
+/// The content of inertial messages: enough to know whether they carry an orientation at all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImuEvidence {
     /// Messages.
@@ -156,23 +156,23 @@ pub struct ImuEvidence {
     pub same_as_first: u64,
     /// The first message.
     pub first: Option<MessageRef>,
-    /// Root mean square of the angular velocity, rad/s as published; NaN where no message holds a finite one.
+    /// Root mean square of the angular velocity, rad/s as published; NaN if no message has a finite one.
     #[serde(with = "super::number")]
     pub angular_velocity_rms: f64,
     /// Integral of the angular speed over the messages, radians as published. Steps across seams and of more than a
-    /// second are left out.
+    /// second are skipped.
     #[serde(with = "super::number")]
     pub turned_rad: f64,
 }
 
-/// What odometry messages say.
+/// The content of odometry messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OdometryEvidence {
     /// Evenly thinned poses `header.frame_id from child_frame_id`, the first and last among them.
     pub samples: Vec<PoseAt>,
     /// How the pose moves.
     pub steps: StepEvidence,
-    /// Largest speed that the twist claims, m/s; NaN where it claims none.
+    /// Largest speed that the twist claims, m/s; NaN if it has none.
     #[serde(with = "super::number")]
     pub largest_speed_m_s: f64,
     /// Largest turning speed that the twist claims, rad/s.
@@ -180,7 +180,7 @@ pub struct OdometryEvidence {
     pub largest_turn_rad_s: f64,
 }
 
-/// What the messages of one topic say beyond their header.
+/// The content of the messages of one topic beyond their header.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContentEvidence {
     /// Satellite fixes.
@@ -209,7 +209,7 @@ pub struct ContentEvidence {
     /// Detections of a radar; also those of a cloud whose points have a speed.
     #[serde(default)]
     pub radar: Option<Box<RadarEvidence>>,
-    /// What it says of motion, row by row.
+    /// Motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,
 }

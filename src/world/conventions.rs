@@ -1,6 +1,6 @@
 //! Conventions that the user declares for topics, frames and files: what the numbers there are expressed in.
 //!
-//! Owns the words and which declaration holds for what. Must not know how a configuration is written, nor convert
+//! Owns the words, and which declaration applies to what. Must not know how a configuration is written, nor convert
 //! anything.
 
 use globset::GlobMatcher;
@@ -55,14 +55,14 @@ pub enum TimeScale {
     Utc,
     /// Of the satellites: ahead of UTC by the leap seconds since 1980.
     Gps,
-    /// Atomic time, as PTP has it: ahead of GPS by 19 s.
+    /// Atomic time, as in PTP: ahead of GPS by 19 s.
     Tai,
 }
 
-/// Whether fields are what their names say, where no type tells.
+/// Whether fields are what their names suggest, if no type states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fields {
-    /// They are: what rests on them is no guess.
+    /// They are: results based on them are not guesses.
     Confirmed,
 }
 
@@ -89,7 +89,7 @@ words!(QuaternionAlgebra { "hamilton" => Hamilton, "jpl" => Jpl });
 words!(Fields { "confirmed" => Confirmed });
 words!(TimeScale { "utc" => Utc, "gps" => Gps, "tai" => Tai });
 
-/// What numbers are expressed in; `None` where nothing is said.
+/// What numbers are expressed in; `None` if nothing is declared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Convention {
     /// The world frame's axes.
@@ -102,12 +102,12 @@ pub struct Convention {
     pub algebra: Option<QuaternionAlgebra>,
     /// The scale of stamps.
     pub time: Option<TimeScale>,
-    /// Whether fields are what their names say.
+    /// Whether fields are what their names suggest.
     pub fields: Option<Fields>,
 }
 
 impl Convention {
-    /// Takes over what another one says.
+    /// Takes over the values of another one.
     fn overlay(&mut self, other: Self) {
         self.world = other.world.or(self.world);
         self.body = other.body.or(self.body);
@@ -117,19 +117,19 @@ impl Convention {
         self.fields = other.fields.or(self.fields);
     }
 
-    /// Whether it says nothing.
+    /// Whether it declares nothing.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The words of what it says, with commas: `world NED, body FRD`.
+    /// Its values in words, with commas: `world NED, body FRD`.
     pub fn words(&self) -> String {
         let parts = [
             self.world.map(|axes| format!("world {}", axes.word())),
             self.body.map(|axes| format!("body {}", axes.word())),
-            self.order
-                .map(|order| format!("quaternions in the order {}", order.word())),
-            self.algebra.map(|algebra| format!("quaternions of {}", algebra.word())),
+            self.order.map(|order| format!("quaternion order {}", order.word())),
+            self.algebra
+                .map(|algebra| format!("quaternion algebra {}", algebra.word())),
             self.time
                 .map(|scale| format!("stamps in {}", scale.word().to_uppercase())),
         ];
@@ -137,7 +137,7 @@ impl Convention {
     }
 }
 
-/// What a declaration is for. What is `None` leaves it open.
+/// The subject of a declaration. `None` matches anything.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
     /// Topics.
@@ -151,17 +151,17 @@ pub struct Scope {
 /// One declaration.
 #[derive(Clone, Debug)]
 pub struct Declaration {
-    /// What it is for.
+    /// Its subject.
     pub scope: Scope,
-    /// What it says.
+    /// Its values.
     pub convention: Convention,
-    /// Where it stands, in words: `frames-lint.yaml:4`.
+    /// Its place, in words: `frames-lint.yaml:4`.
     pub origin: String,
-    /// Where it stands; `None` where the configuration is no source of the run.
+    /// Its place; `None` if the configuration is not a source of the run.
     pub place: Option<Place>,
 }
 
-/// What holds for one thing, and the last declaration that says so.
+/// What applies to one subject, and the last declaration of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declared {
     /// What was declared.
@@ -172,7 +172,7 @@ pub struct Declared {
     pub place: Option<Place>,
 }
 
-/// All declarations, in the order of the configuration: what stands later overrides what stands before.
+/// All declarations, in the order of the configuration: later ones override earlier ones.
 #[derive(Clone, Debug, Default)]
 pub struct Conventions {
     /// The declarations.
@@ -181,7 +181,7 @@ pub struct Conventions {
     pub projections: Vec<Projection>,
     /// Names that files use for frames of the platform, in the order of the configuration.
     pub aliases: Vec<Alias>,
-    /// What statements of files are between.
+    /// The frames of statements in files.
     pub transforms: Vec<DeclaredTransform>,
 }
 
@@ -194,33 +194,33 @@ pub struct Alias {
     pub name: FrameId,
     /// The frame.
     pub frame: FrameId,
-    /// Where it stands, in words.
+    /// Its place, in words.
     pub origin: String,
 }
 
 impl Alias {
-    /// Whether it counts for a file.
+    /// Whether it applies to a file.
     pub(crate) fn holds(&self, file: &str) -> bool {
         is_for(self.file.as_ref(), file)
     }
 }
 
-/// The frames and direction of a statement, as the user states them.
+/// The frames and direction of a statement, as declared by the user.
 #[derive(Clone, Debug)]
 pub struct DeclaredTransform {
     /// Files, by the end of their path; all where `None`.
     pub file: Option<GlobMatcher>,
-    /// The key that it stands under.
+    /// Its key.
     pub key: GlobMatcher,
-    /// The frame that it takes points to.
+    /// The frame to which it takes points.
     pub target: FrameId,
-    /// The frame that it takes points from.
+    /// The frame from which it takes points.
     pub source: FrameId,
-    /// Where it stands, in words.
+    /// Its place, in words.
     pub origin: String,
 }
 
-/// What a declaration may be for: a stream of a recording, or a statement in a file.
+/// A possible subject of a declaration: a stream of a recording, or a statement in a file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Subject<'a> {
     /// Path of the file.
@@ -232,13 +232,13 @@ pub struct Subject<'a> {
 }
 
 impl Conventions {
-    /// Whether anything is declared that may be about this file.
+    /// Whether anything is declared that may apply to this file.
     pub fn declare_of(&self, file: &str) -> bool {
         let holds = |one: &Declaration| is_for(one.scope.file.as_ref(), file);
         self.declarations.iter().any(holds)
     }
 
-    /// The platform's frame that a name in a file stands for; what stands later overrides.
+    /// The platform's frame for a name in a file; later declarations override.
     pub fn frame_of(&self, file: &str, name: &FrameId) -> Option<&FrameId> {
         let name = name.canonical();
         let mut known = self.aliases.iter().rev();
@@ -247,7 +247,7 @@ impl Conventions {
             .map(|alias| &alias.frame)
     }
 
-    /// The frames and direction that are declared for a statement; what stands later overrides.
+    /// The frames and direction that are declared for a statement; later declarations override.
     pub fn transform_of(&self, file: &str, key: &str) -> Option<(&FrameId, &FrameId)> {
         let holds = |one: &&DeclaredTransform| one.key.is_match(key) && is_for(one.file.as_ref(), file);
         self.transforms
@@ -257,7 +257,7 @@ impl Conventions {
             .map(|one| (&one.target, &one.source))
     }
 
-    /// What is declared for a subject; `None` where nothing is.
+    /// What is declared for a subject; `None` if nothing is.
     pub fn of(&self, subject: &Subject<'_>) -> Option<Declared> {
         let mut known: Option<Declared> = None;
         for declaration in self.declarations.iter().filter(|one| one.scope.holds(subject)) {
@@ -289,12 +289,12 @@ impl Scope {
     }
 }
 
-/// Whether a file is one of those that are meant; all are where none are named.
+/// Whether a file is one of the named ones; all are if none are named.
 fn is_for(files: Option<&GlobMatcher>, path: &str) -> bool {
     files.is_none_or(|glob| ends_with(glob, path))
 }
 
-/// Whether the whole path, or what stands behind one of its slashes, is meant. A glob that begins with a slash means the whole path behind it.
+/// Whether the glob matches the whole path, or the part after one of its slashes. A glob that begins with a slash means the whole path after it.
 pub(crate) fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
     let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
     let is_end = glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end));

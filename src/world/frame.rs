@@ -28,7 +28,7 @@ impl FrameId {
         Self(self.0.strip_prefix('/').unwrap_or(&self.0).to_owned())
     }
 
-    /// Lower-case words of the name, split at `_`, `/`, `-`, `.`, blanks and where a lower-case letter meets an
+    /// Lower-case words of the name, split at `_`, `/`, `-`, `.`, whitespace and where a lower-case letter meets an
     /// upper-case one. Conventions are looked for in tokens, never in substrings: `odom_combined` has no token `ned`.
     pub fn tokens(&self) -> Vec<String> {
         self.words().map(|word| lower(word).collect()).collect()
@@ -75,7 +75,7 @@ impl From<&str> for FrameId {
     }
 }
 
-/// In which capacity a frame is named.
+/// The role in which a frame is named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrameRole {
@@ -102,7 +102,7 @@ pub enum FrameRole {
 }
 
 impl FrameRole {
-    /// What the name is, for messages ("link", "`child_frame_id` on TF", ...).
+    /// The role, for messages ("link", "`child_frame_id` on TF", ...).
     pub fn words(self) -> &'static str {
         match self {
             Self::Link => "link",
@@ -132,7 +132,7 @@ impl FrameRole {
 pub struct FrameUse {
     /// The name as spelled.
     pub frame: FrameId,
-    /// In which capacity.
+    /// The role.
     pub role: FrameRole,
     /// First place.
     pub place: Place,

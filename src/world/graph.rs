@@ -1,7 +1,7 @@
-//! The frame graph: who is said to be whose parent, by URDF joints and by TF.
+//! The frame graph: parents and children by URDF joints and by TF.
 //!
 //! Names are compared as tf2 stores them (one leading slash stripped). Calibration claims are not edges: they are
-//! compared with the graph. What a launch file publishes is an edge of the tree that is started by it, beside the joints: see
+//! compared with the graph. The transforms that a launch file publishes are edges of the tree that it starts, together with the joints: see
 //! [`FrameGraph::launched`].
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -17,7 +17,7 @@ use super::claim::{Claim, ClaimKind};
 use super::frame::{FrameId, FrameRole};
 use super::rigid::Rigid;
 
-/// Which statement an edge comes from.
+/// The statement from which an edge comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EdgeOrigin {
     /// Index into `World::claims`: the origin of a URDF joint.
@@ -37,7 +37,7 @@ pub struct Edge {
     pub child: FrameId,
     /// The statement.
     pub origin: EdgeOrigin,
-    /// Whether the edge is said to be constant (fixed joint, static TF).
+    /// Whether the edge is declared constant (fixed joint, static TF).
     pub is_rigid: bool,
     /// `parent_from_child`, where known: for moving edges the zero position or the first sample.
     pub pose: Option<Isometry3<f64>>,
@@ -97,7 +97,7 @@ pub struct FrameGraph {
 }
 
 impl FrameGraph {
-    /// The frames that are rigid with each other; worked out when first asked for.
+    /// The frames that are rigid with each other; computed at first use.
     pub fn rigid(&self) -> &Rigid {
         self.rigid
             .get_or_init(|| Rigid::new(&self.frames, |frame| self.reach(frame, |edge| edge.is_rigid)))
@@ -113,7 +113,7 @@ impl FrameGraph {
         Self::recorded(world, Self::stated(world, |_| true))
     }
 
-    /// What recordings hold, and nothing else: the tree that tf2 had.
+    /// The edges of recordings only: the tree that tf2 had.
     pub fn of_recordings(world: &World) -> Self {
         let recorded = Self::recorded(world, Vec::new());
         let frames = recorded
@@ -141,7 +141,7 @@ impl FrameGraph {
         Self::of(world, edges)
     }
 
-    /// The tree that each launch file or script starts: its publishers and the joints of the platform. Two files are two ways to start.
+    /// The tree that each launch file or script starts: its publishers and the joints of the platform. Two files are two ways to start the platform.
     pub fn launched(world: &World) -> Vec<Self> {
         let files: BTreeSet<SourceId> = world
             .publishers

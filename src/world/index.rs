@@ -1,4 +1,4 @@
-//! Where names stand in a world, so that a rule that asks for many of them does not look through everything for each.
+//! The places of names in a world, so that a rule that looks up many of them does not search everything for each.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -61,7 +61,7 @@ impl World {
         known.get(words).into_iter().flatten()
     }
 
-    /// The claims of a file that stand under this key or joint, in order.
+    /// The claims of a file with this key or joint, in order.
     pub fn claims_called(&self, source: SourceId, label: &str) -> impl Iterator<Item = &Claim> {
         let numbers = self
             .index()

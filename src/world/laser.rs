@@ -1,4 +1,4 @@
-//! Evidence of what planar scanners see. Bounded, as published.
+//! Evidence of planar scanners. Bounded, as published.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::cloud::CloudEvidence;
 /// Scans of one topic whose numbers are kept.
 pub const MAX_SCANS: usize = 64;
 
-/// The numbers of one scan beside its ranges, `sensor_msgs/msg/LaserScan` as published.
+/// The numbers of one scan besides its ranges, `sensor_msgs/msg/LaserScan` as published.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaserScanAt {
     /// Zero-based index of the message on its topic.
@@ -17,18 +17,18 @@ pub struct LaserScanAt {
     /// Angles of the first and the last ray, and from one to the next, radians from x towards y.
     #[serde(with = "super::number::array")]
     pub angles: [f64; 3],
-    /// From one ray to the next, seconds; NaN where the type does not tell.
+    /// From one ray to the next, seconds; NaN if the type does not have it.
     #[serde(with = "super::number")]
     pub time_increment_s: f64,
-    /// From one scan to the next, seconds; NaN where the type does not tell.
+    /// From one scan to the next, seconds; NaN if the type does not have it.
     #[serde(with = "super::number")]
     pub scan_time_s: f64,
-    /// The least and the largest range that counts, metres; NaN where the type does not tell.
+    /// The smallest and the largest valid range, metres; NaN if the type does not have it.
     #[serde(with = "super::number::array")]
     pub range_m: [f64; 2],
     /// Rays.
     pub rays: u32,
-    /// Rays with a range that counts.
+    /// Rays with a valid range.
     pub returns: u32,
 }
 

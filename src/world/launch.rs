@@ -1,4 +1,4 @@
-//! What launch files and scripts hand to programs: static transforms, and the settings of localisation nodes.
+//! What launch files and scripts pass to programs: static transforms, and the settings of localisation nodes.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Place, Placed};
 
-/// The program that launch files and scripts publish static transforms with; the dialect of its claims.
+/// The program with which launch files and scripts publish static transforms; the dialect of its claims.
 pub const PROGRAM: &str = "static_transform_publisher";
 
 /// How the arguments of a static transform publisher are written.
@@ -25,41 +25,41 @@ pub enum ArgumentForm {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unread {
-    /// An argument that is filled in when the file is run.
+    /// An argument that is known only at run time.
     Open(String),
-    /// The transform stands on the parameter server, under this name.
+    /// The transform is on the parameter server, under this name.
     Parameter(String),
-    /// The program itself would not read it, or read something else; in words.
+    /// The program itself would refuse it, or read something else; the reason.
     Misread(String),
 }
 
 /// A call of `static_transform_publisher`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StaticPublisher {
-    /// What the call is named in its file; the label of its claim.
+    /// The name of the call in its file; the label of its claim.
     pub label: String,
-    /// The package of the program (`tf`, `tf2_ros`), where it is told.
+    /// The package of the program (`tf`, `tf2_ros`), if it is stated.
     pub package: Option<String>,
-    /// Whether the file is of ROS 1 or of ROS 2, where it shows.
+    /// Whether the file is of ROS 1 or of ROS 2, if that is known.
     pub is_ros2: Option<bool>,
-    /// How the arguments are written; `None` where they fit no form.
+    /// How the arguments are written; `None` if they match no form.
     pub form: Option<ArgumentForm>,
-    /// How many arguments there are, those of ROS itself left out.
+    /// How many arguments there are, without those of ROS itself.
     pub arguments: u32,
-    /// Whether a number stands behind the frames: the period of `tf`, in milliseconds.
+    /// Whether a number follows the frames: the period of `tf`, in milliseconds.
     pub has_period: bool,
     /// The arguments.
     pub place: Place,
-    /// Why the transform is not known, where it is not.
+    /// Why the transform is not known, if it is not.
     pub unread: Option<Unread>,
 }
 
 /// The settings of one node of `robot_localization`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LocalizationSettings {
-    /// What the node is called in its file.
+    /// The name of the node in its file.
     pub node: String,
-    /// Its settings as written; the items of a list with blanks between them.
+    /// Its settings as written; the items of a list separated by spaces.
     pub values: BTreeMap<String, Placed<String>>,
 }
 

@@ -1,6 +1,6 @@
 //! The world: all that is known about one platform, as pure data.
 //!
-//! Owns claims, robots, frame uses and bag evidence, and the graph that ties them. Serialisable, so that it can be
+//! Owns claims, robots, frame uses and bag evidence, and the graph that connects them. Serialisable, so that it can be
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
@@ -55,9 +55,9 @@ pub use robot::Robot;
 /// Everything known about one platform.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct World {
-    /// What the platform is called in reports: the path it was found at.
+    /// The name of the platform in reports: the path it was found at.
     pub label: String,
-    /// Every source of the run, by id; a platform's facts point only at its own. Saved beside the worlds that share it.
+    /// Every source of the run, by id; a platform's facts point only at its own. Saved with the worlds that share it.
     #[serde(skip)]
     pub sources: Arc<Vec<Arc<Source>>>,
     /// The sources that belong to this platform.
@@ -68,28 +68,28 @@ pub struct World {
     pub robots: Vec<Robot>,
     /// Where frames are named, once for each name, role and source.
     pub frames: Vec<FrameUse>,
-    /// What recordings showed.
+    /// Evidence of recordings.
     pub bags: Vec<BagEvidence>,
     /// Products of transforms that files declare.
     pub chains: Vec<DeclaredChain>,
     /// Calibration files that other files name.
     pub references: Vec<FileReference>,
-    /// What the user declares of topics, frames and files.
+    /// The user's declarations on topics, frames and files.
     #[serde(skip)]
     pub conventions: Arc<Conventions>,
-    /// Where files say that the origin of a local frame lies on the Earth.
+    /// Origins of local frames on the Earth, as files state them.
     #[serde(default)]
     pub origins: Vec<EarthOrigin>,
-    /// Origins that came from the messages of recordings of which no messages are kept.
+    /// Origins from the messages of recordings of which no messages are kept.
     #[serde(skip)]
     pub bag_origins: Vec<LocalOrigin>,
-    /// What the metadata of Ouster sensors say.
+    /// The metadata of Ouster sensors.
     #[serde(default)]
     pub ousters: Vec<OusterMetadata>,
-    /// What is known of devices, drivers and datasets, the user's own rows among it.
+    /// Tables of devices, drivers and datasets, with the user's own rows.
     #[serde(skip)]
     pub tables: Arc<Tables>,
-    /// The dataset that the user says this is.
+    /// The dataset, as declared by the user.
     #[serde(skip)]
     pub dataset: Option<NamedDataset>,
     /// Cameras that files of camera_info_manager describe.
@@ -104,14 +104,14 @@ pub struct World {
     /// Settings of `robot_localization`.
     #[serde(default)]
     pub localizations: Vec<LocalizationSettings>,
-    /// Files whose quaternions are, or may be, of JPL's algebra, with what says so.
+    /// Files whose quaternions are, or may be, of JPL's algebra, with the evidence for it.
     #[serde(default)]
     pub jpl: Vec<Placed<String>>,
     #[serde(skip)]
     made: Made,
 }
 
-/// What is worked out of a world when it is first asked for.
+/// Results that are computed from a world at first use.
 #[derive(Clone, Debug, Default)]
 struct Made {
     graph: OnceLock<FrameGraph>,
@@ -136,15 +136,15 @@ pub struct Facts {
     pub chains: Vec<DeclaredChain>,
     /// Calibration files that other files name.
     pub references: Vec<FileReference>,
-    /// Where a file says that the origin of a local frame lies on the Earth.
+    /// Origins of local frames on the Earth, as a file states them.
     pub origins: Vec<EarthOrigin>,
-    /// Origins that came from the messages of a recording of which no messages are kept.
+    /// Origins from the messages of a recording of which no messages are kept.
     pub bag_origins: Vec<LocalOrigin>,
-    /// What the metadata of Ouster sensors say.
+    /// The metadata of Ouster sensors.
     pub ousters: Vec<OusterMetadata>,
     /// Cameras that a file of camera_info_manager describes.
     pub cameras: Vec<CameraFile>,
-    /// What a dataset's table of sensors calls them, by the token that its other tables name them with.
+    /// Names of sensors in a dataset's table, by the token that its other tables use.
     pub channels: Vec<(FrameId, FrameId)>,
     /// Projections that a file declares.
     pub projections: Vec<Projection>,
@@ -152,12 +152,12 @@ pub struct Facts {
     pub publishers: Vec<StaticPublisher>,
     /// Settings of `robot_localization`.
     pub localizations: Vec<LocalizationSettings>,
-    /// The file, where its quaternions are, or may be, of JPL's algebra, with what says so.
+    /// The file, where its quaternions are, or may be, of JPL's algebra, with the evidence for it.
     pub jpl: Vec<Placed<String>>,
 }
 
 impl Facts {
-    /// What there is, in words: `3 transforms, 1 origin on the Earth`; `None` where there is nothing.
+    /// The content in words: `3 transforms, 1 origin on the Earth`; `None` if there is nothing.
     pub fn words(&self) -> Option<String> {
         let files = self
             .claims
@@ -178,7 +178,7 @@ impl Facts {
             (links, "link"),
             (joints, "joint"),
             (files.count(), "transform"),
-            (open, "call of a publisher that is filled in when it is run"),
+            (open, "call of a publisher with arguments that are set at run time"),
             (self.chains.len(), "product of transforms"),
             (self.origins.len(), "origin on the Earth"),
             (self.ousters.len(), "description of an Ouster"),
@@ -208,7 +208,7 @@ impl Facts {
 /// A dataset that the configuration names.
 #[derive(Clone, Debug)]
 pub struct NamedDataset {
-    /// What is known of it.
+    /// What is known about it.
     pub row: Arc<Dataset>,
     /// Where it is named.
     pub place: Option<Place>,
@@ -230,7 +230,7 @@ impl World {
         self.source(id).map_or("?", |source| source.path.as_str())
     }
 
-    /// The topic and the fields of it that a place points at, where only their names say what they are, and the
+    /// The topic and the fields of it that a place points at, if only their names suggest what they are, and the
     /// configuration does not confirm it.
     pub fn guessed_fields<'p>(&self, place: &'p Place) -> Option<(&'p str, &'p str)> {
         let At::Message(message) = &place.at else { return None };
@@ -243,7 +243,7 @@ impl World {
         (member.guessed && !is_confirmed).then_some((message.topic.as_str(), fields))
     }
 
-    /// What the user declares of a topic of a recording, and of the frames that it names.
+    /// The user's declarations on a topic of a recording, and on the frames that it names.
     pub fn declared(&self, source: SourceId, topic: &str, frames: &[&FrameId]) -> Option<Declared> {
         self.conventions.of(&conventions::Subject {
             file: self.path(source),
@@ -252,7 +252,7 @@ impl World {
         })
     }
 
-    /// The same platform with nothing but what these sources say.
+    /// The same platform with the facts of these sources only.
     #[must_use]
     pub fn only(&self, has: impl Fn(SourceId) -> bool) -> Self {
         fn kept<T: Clone>(facts: &[T], has: impl Fn(&T) -> bool) -> Vec<T> {
@@ -305,14 +305,14 @@ impl World {
         self.made = Made::default();
     }
 
-    /// Calls the sensors of a dataset what its table of sensors calls them, and not by their tokens.
+    /// Replaces the tokens of a dataset's sensors by their names in its table of sensors.
     pub fn name_sensors(&mut self, channels: &BTreeMap<FrameId, FrameId>) {
         for claim in self.claims.iter_mut().filter(|claim| claim.is_row()) {
             claim.rename(|token| channels.get(token).cloned());
         }
     }
 
-    /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.
+    /// Applies the user's declarations: they override names and guesses, and fix the order of bare quaternions.
     pub fn declare(&mut self, conventions: Arc<Conventions>) {
         let platform = if conventions.aliases.is_empty() {
             BTreeSet::new()
@@ -333,7 +333,7 @@ impl World {
                     let alias = |name: &FrameId| conventions.frame_of(file, name).filter(|_| own(name).is_none());
                     let has_alias = claim.frames.iter().any(|(a, b)| alias(a).or(alias(b)).is_some());
                     let is_known = claim.rename(|name| own(name).or_else(|| alias(name).cloned()));
-                    // Whoever says what the names stand for has read the file.
+                    // A user who declares what the names mean has read the file.
                     if has_alias && is_known {
                         claim.reading = claim.reading.max(Confidence::Likely);
                     }
@@ -354,7 +354,7 @@ impl World {
         self.made = Made::default();
     }
 
-    /// Drops everything but its name and where it is from.
+    /// Drops everything but its name and its sources.
     pub fn empty(&mut self) {
         *self = Self {
             label: std::mem::take(&mut self.label),
@@ -364,7 +364,7 @@ impl World {
         };
     }
 
-    /// Drops what was worked out: it is worked out again where somebody asks.
+    /// Drops computed results: they are computed again when needed.
     pub fn forget(&mut self) {
         self.made = Made::default();
     }

@@ -1,15 +1,15 @@
-//! Evidence of motion: what moving sensors and estimators say over time, as published, in stretches without a hole.
+//! Evidence of motion: the data of moving sensors and estimators over time, as published, in sections without gaps.
 //!
 //! A row is one message, or the mean of the messages within [`ROW_NS`] of a stream that is faster than that. Means are
 //! taken number by number (of quaternions with one sign), so that another order, sign or unit of the numbers can be
-//! tried on the rows as it could on the messages.
+//! tried on the rows just as on the messages.
 
 use serde::{Deserialize, Serialize};
 
-/// Length of time that one row stands for at least, nanoseconds.
+/// Shortest time that one row covers, nanoseconds.
 pub const ROW_NS: i64 = 50_000_000;
 
-/// A row that stands at a time.
+/// A row with a time.
 pub trait Row: Clone {
     /// Header stamp, nanoseconds; zero where the messages have none.
     fn stamp_ns(&self) -> i64;
@@ -20,15 +20,15 @@ pub trait Row: Clone {
 /// The rows of one stream, in recording order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series<T> {
-    /// Messages that the rows were made from, those included that found no room.
+    /// Messages that the rows were made from, including those beyond the bound.
     pub count: u64,
-    /// Runs of rows. Between two of them messages were left out, the stamps fell back, or nothing was published for
+    /// Runs of rows. Between two of them messages were skipped, the stamps jumped back, or nothing was published for
     /// seconds.
     pub stretches: Vec<Vec<T>>,
 }
 
 impl<T> Series<T> {
-    /// Every row, whatever its stretch.
+    /// Every row of every section.
     pub fn rows(&self) -> impl Iterator<Item = &T> {
         self.stretches.iter().flatten()
     }
@@ -47,7 +47,7 @@ pub struct InertialRow {
     /// rad/s by the message's definition.
     #[serde(with = "super::number::array")]
     pub angular_velocity: [f64; 3],
-    /// m/s² by the message's definition; specific force, where the sensor follows REP-145.
+    /// m/s² by the message's definition; specific force, if the sensor follows REP-145.
     #[serde(with = "super::number::array")]
     pub linear_acceleration: [f64; 3],
 }
@@ -107,7 +107,7 @@ pub struct FixRow {
     /// Metres, above the ellipsoid by definition.
     #[serde(with = "super::number")]
     pub altitude_m: f64,
-    /// Variances east, north, up, m²; zeros where the receiver gives none.
+    /// Variances east, north, up, m²; zeros if the receiver gives none.
     #[serde(with = "super::number::array")]
     pub variance_m2: [f64; 3],
     /// The lowest `NavSatStatus.status` of the row: 0 fix, 1 SBAS, 2 GBAS.
@@ -115,7 +115,7 @@ pub struct FixRow {
 }
 
 impl FixRow {
-    /// What the receiver states of its error to the side where that is larger, one standard deviation, metres; `None` where it
+    /// The receiver's horizontal error in the direction where it is larger, one standard deviation, metres; `None` if it
     /// states none.
     #[must_use]
     pub fn horizontal_sd_m(&self) -> Option<f64> {
@@ -123,7 +123,7 @@ impl FixRow {
         stated(east.max(north))
     }
 
-    /// What the receiver states of its error in height, one standard deviation, metres; `None` where it states none.
+    /// The receiver's vertical error, one standard deviation, metres; `None` if it states none.
     #[must_use]
     pub fn vertical_sd_m(&self) -> Option<f64> {
         stated(self.variance_m2[2])
@@ -146,7 +146,7 @@ pub struct OrientationRow {
     pub orientation: [f64; 4],
 }
 
-/// A vector on a topic of its own: what it measures, the message does not say.
+/// A vector on a topic of its own: the message does not state what it measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VectorRow {
     /// Header stamp, nanoseconds; zero where there is none.
@@ -158,7 +158,7 @@ pub struct VectorRow {
     pub vector: [f64; 3],
 }
 
-/// What the sentences of NMEA 0183 that came together say; NaN where none of them says it.
+/// The numbers of NMEA 0183 sentences that came together; NaN for those that none of them has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NmeaRow {
     /// Header stamp, nanoseconds; zero where there is none.
@@ -168,7 +168,7 @@ pub struct NmeaRow {
     /// UTC, seconds of the day.
     #[serde(with = "super::number")]
     pub time_s: f64,
-    /// Degrees; NaN, too, where the sentence says that it has no fix.
+    /// Degrees; also NaN if the sentence states that it has no fix.
     #[serde(with = "super::number")]
     pub latitude_deg: f64,
     /// Degrees.
@@ -192,7 +192,7 @@ pub struct NmeaRow {
     /// Degrees clockwise from magnetic north.
     #[serde(with = "super::number")]
     pub magnetic_heading_deg: f64,
-    /// Magnetic north as seen from true north, degrees, east positive.
+    /// Direction of magnetic north from true north, degrees, east positive.
     #[serde(with = "super::number")]
     pub variation_deg: f64,
     /// As GGA counts: 0 no fix, 1 GNSS, 2 differential, 3 precise, 4 RTK, 5 RTK float, 6 dead reckoning, 7 typed in, 8
@@ -224,14 +224,14 @@ rows!(
     NmeaRow
 );
 
-/// What one topic, or a member of its messages, says of motion.
+/// The motion on one topic, or in a member of its messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionEvidence {
     /// Inertial measurements.
     pub inertial: Option<Series<InertialRow>>,
     /// Poses: odometry, poses, paths.
     pub poses: Option<Series<PoseRow>>,
-    /// Velocities. Beside fixes they are the receiver's: east, north, up, without a turning velocity (NaN).
+    /// Velocities. Together with fixes they are the receiver's: east, north, up, without an angular velocity (NaN).
     pub twists: Option<Series<TwistRow>>,
     /// Satellite fixes.
     pub fixes: Option<Series<FixRow>>,
@@ -241,7 +241,7 @@ pub struct MotionEvidence {
     /// Vectors.
     #[serde(default)]
     pub vectors: Option<Series<VectorRow>>,
-    /// Sentences of NMEA 0183. A row is what those within [`ROW_NS`] say together, the first of each kind; no means.
+    /// Sentences of NMEA 0183. A row combines those within [`ROW_NS`], the first of each kind; no means.
     #[serde(default)]
     pub nmea: Option<Series<NmeaRow>>,
 }

@@ -1,4 +1,4 @@
-//! Numbers that may be NaN or infinite, in JSON: finite ones as numbers, the others as the words `nan`, `inf`, `-inf`.
+//! Numbers that may be NaN or infinite, in JSON: finite ones as numbers, the others as `nan`, `inf`, `-inf`.
 //!
 //! Evidence is saved and judged again: a NaN that a robot published must come back as a NaN.
 
@@ -48,7 +48,7 @@ impl Visitor<'_> for Reader {
             "nan" => Ok(f64::NAN),
             "inf" => Ok(f64::INFINITY),
             "-inf" => Ok(f64::NEG_INFINITY),
-            other => Err(E::custom(format!("`{other}` is no number"))),
+            other => Err(E::custom(format!("`{other}` is not a number"))),
         }
     }
 }
@@ -172,7 +172,7 @@ mod tests {
         perhaps_array: Option<[f64; 2]>,
     }
 
-    /// Bits, all NaNs being one.
+    /// Bits, equal for all NaNs.
     fn bits(value: f64) -> u64 {
         if value.is_nan() {
             f64::NAN.to_bits()

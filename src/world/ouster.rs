@@ -1,4 +1,4 @@
-//! What the metadata of an Ouster say of the sensor, from a file or from a topic of a recording.
+//! The metadata of an Ouster sensor, from a file or from a topic of a recording.
 //!
 //! Its transforms are claims, with the same source. Pure data.
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::Place;
 
-/// The metadata of one sensor, of any firmware: keys beside each other, or in parts.
+/// The metadata of one sensor, of any firmware: with keys side by side, or in parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OusterMetadata {
     /// The whole of them.
@@ -39,7 +39,7 @@ pub struct Stated {
     /// The number.
     #[serde(with = "super::number")]
     pub value: f64,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 
@@ -48,11 +48,11 @@ pub struct Stated {
 pub struct Angles {
     /// How many there are.
     pub count: u32,
-    /// How many of them are no finite numbers.
+    /// How many of them are not finite numbers.
     pub broken: u32,
     /// The smallest and the largest, degrees.
     #[serde(with = "super::number::array")]
     pub range_deg: [f64; 2],
-    /// Where they stand.
+    /// Their place.
     pub place: Place,
 }

@@ -13,9 +13,9 @@ pub struct Projection {
     pub format: String,
     /// The path of keys to it; may be empty.
     pub label: String,
-    /// A glob for the topics that it is about; where there is none it is for the only one that can be meant.
+    /// A glob for the topics that it is about; without one it is for the only one that can be meant.
     pub topic: Option<String>,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
     /// What is declared.
     pub form: Form,
@@ -33,7 +33,7 @@ pub enum Form {
     Panorama(Panorama),
 }
 
-/// A range image: columns by azimuth, rows by elevation. What is not declared is `None`.
+/// A range image: columns by azimuth, rows by elevation. Values that are not declared are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RangeImage {
     /// Columns.
@@ -46,11 +46,11 @@ pub struct RangeImage {
     /// Elevation of the lowest row, degrees.
     #[serde(with = "super::number::option")]
     pub fov_down_deg: Option<f64>,
-    /// The way the azimuth grows with the column, seen from above.
+    /// The direction in which the azimuth grows with the column, seen from above.
     pub azimuth: Option<Sense>,
-    /// What becomes of a point at the seam, where the formula gives the width itself.
+    /// How a point at the seam is handled, where the formula gives the width itself.
     pub seam: Option<Seam>,
-    /// From the axis of rotation to where beams begin, millimetres.
+    /// Distance from the axis of rotation to the origin of the beams, millimetres.
     #[serde(with = "super::number::option")]
     pub beam_offset_mm: Option<f64>,
 }
@@ -58,26 +58,26 @@ pub struct RangeImage {
 /// A grid seen from above.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
-    /// The frame whose x and y it is laid on.
+    /// The frame of its x and y.
     pub frame: Option<String>,
     /// Side of a cell, metres.
     #[serde(with = "super::number::option")]
     pub resolution_m: Option<f64>,
-    /// Where the first cell is: x, y, and where it is declared the yaw; metres and radians.
+    /// The position of the first cell: x, y, and the yaw if it is declared; metres and radians.
     #[serde(with = "super::number::list")]
     pub origin: Vec<f64>,
-    /// What of the first cell lies at the origin.
+    /// Which point of the first cell is at the origin.
     pub cell: Option<Cell>,
-    /// Where the columns go.
+    /// The direction of the columns.
     pub columns: Option<Axis>,
-    /// Where the rows go.
+    /// The direction of the rows.
     pub rows: Option<Axis>,
-    /// Whether the motion of the vehicle during a scan is taken out.
+    /// Whether the motion of the vehicle during a scan is compensated.
     pub ego_motion: Option<EgoMotion>,
     /// `x = a col + b row + c`, `y = d col + e row + f`: a to f.
     #[serde(with = "super::number::list")]
     pub affine: Vec<f64>,
-    /// Shares from which a cell is occupied, and up to which it is free.
+    /// Probability from which a cell is occupied, and up to which it is free.
     #[serde(with = "super::number::list")]
     pub thresholds: Vec<f64>,
 }
@@ -89,7 +89,7 @@ pub struct Panorama {
     pub width: Option<u32>,
     /// Rows.
     pub height: Option<u32>,
-    /// The way the azimuth grows with the column, seen from above.
+    /// The direction in which the azimuth grows with the column, seen from above.
     pub azimuth: Option<Sense>,
 }
 
@@ -97,13 +97,13 @@ pub struct Panorama {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sense {
-    /// As compasses and most lidars.
+    /// Like compasses and most lidars.
     Clockwise,
-    /// As mathematics and REP-103.
+    /// Like mathematics and REP-103.
     CounterClockwise,
 }
 
-/// What becomes of a column that is the width itself.
+/// How a column equal to the width is handled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Seam {
@@ -115,7 +115,7 @@ pub enum Seam {
     Wrap,
 }
 
-/// What of a cell lies at its coordinates.
+/// Which point of a cell is at its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cell {
@@ -125,7 +125,7 @@ pub enum Cell {
     Corner,
 }
 
-/// Whether the motion of the vehicle during a scan is taken out.
+/// Whether the motion of the vehicle during a scan is compensated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EgoMotion {
@@ -141,11 +141,11 @@ pub enum EgoMotion {
 pub enum Axis {
     /// x.
     PlusX,
-    /// Against x.
+    /// Opposite to x.
     MinusX,
     /// y.
     PlusY,
-    /// Against y.
+    /// Opposite to y.
     MinusY,
 }
 
@@ -179,7 +179,7 @@ impl Axis {
 /// Different grids of one topic that are kept.
 pub const MAX_GRIDS: usize = 8;
 
-/// A grid as a message has it: `nav_msgs/msg/OccupancyGrid`, `grid_map_msgs/msg/GridMap`.
+/// A grid as in a message: `nav_msgs/msg/OccupancyGrid`, `grid_map_msgs/msg/GridMap`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GridAt {
     /// The first message that has it.
@@ -198,7 +198,7 @@ pub struct GridAt {
     /// `[x, y, z, w]` as published.
     #[serde(with = "super::number::array")]
     pub orientation: [f64; 4],
-    /// Cells that follow, where the type has one list of them.
+    /// Cells that follow, if the type has one list of them.
     pub data: Option<u64>,
 }
 

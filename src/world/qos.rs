@@ -1,6 +1,6 @@
-//! What the recorder noted of how publishers offered a topic: rosbag2's `offered_qos_profiles`, YAML text.
+//! The QoS that publishers offered for a topic, as recorded: rosbag2's `offered_qos_profiles`, YAML text.
 //!
-//! Owns the reading of that text. Must not know who asks.
+//! Owns the reading of that text. Must not know its users.
 
 /// The durability of each profile: `1` or `transient_local`, `2` or `volatile`.
 fn durabilities(profiles: &str) -> impl Iterator<Item = &str> {

@@ -1,4 +1,4 @@
-//! Evidence of what radars see: runs of neighbouring scans, thinned. Bounded, as published.
+//! Evidence of radars: runs of neighbouring scans, thinned. Bounded, as published.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ pub const SWEEP_ECHOES: usize = 128;
 /// Scans of a run.
 pub const RUN_SWEEPS: usize = 8;
 
-/// Which kind of message detections stand in.
+/// The kind of message that contains the detections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RadarForm {
@@ -23,13 +23,13 @@ pub enum RadarForm {
     Cloud,
 }
 
-/// What a number that is called a speed is.
+/// The meaning of a number that is named a speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpeedForm {
     /// Along the line of sight, by its name.
     Radial,
-    /// Called `velocity` or the like.
+    /// Named `velocity` or similar.
     Plain,
     /// Components along axes.
     Components,
@@ -38,7 +38,7 @@ pub enum SpeedForm {
 /// Detections of one scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadarSweep {
-    /// Stamp of its header, nanoseconds; none where that is zero.
+    /// Stamp of its header, nanoseconds; none if that is zero.
     pub stamp_ns: Option<i64>,
     /// Log time, nanoseconds.
     pub log_ns: i64,
@@ -56,13 +56,13 @@ pub struct RadarEvidence {
     pub count: u64,
     /// The first of them.
     pub first: MessageRef,
-    /// What they stand in.
+    /// The kind of their message.
     pub form: RadarForm,
-    /// What the speeds are called, in the first message.
+    /// The names of the speeds, in the first message.
     pub field: String,
-    /// What they are.
+    /// Their meaning.
     pub speeds: SpeedForm,
-    /// Detections that were looked at.
+    /// Detections that were examined.
     pub looked_at: u64,
     /// Of these, those with a number that is not finite, or at the origin.
     pub broken: u64,

@@ -1,30 +1,30 @@
-//! References from one file to another that should hold a calibration.
+//! References from one file to another that should contain a calibration.
 
 use serde::{Deserialize, Serialize};
 
 use crate::source::Placed;
 
-/// What became of the file that a reference names.
+/// The state of the file that a reference names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReferenceState {
-    /// It is there and holds something.
+    /// It exists and is not empty.
     Found,
-    /// It is there and empty.
+    /// It exists and is empty.
     Empty,
-    /// It is not there.
+    /// It does not exist.
     Missing,
-    /// It lies on another machine, or cannot be known.
+    /// It is on another machine, or cannot be known.
     Unknown,
 }
 
 /// A path to a calibration file, as another file states it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FileReference {
-    /// The key it stands under.
+    /// Its key.
     pub key: String,
     /// The path as written.
     pub path: Placed<String>,
-    /// Whether the file is there.
+    /// The state of the file.
     pub state: ReferenceState,
 }

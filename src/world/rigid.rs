@@ -6,7 +6,7 @@ use nalgebra::Isometry3;
 
 use super::frame::FrameId;
 
-/// The clusters of a graph. Where rigid edges contradict each other, poses go by way of the first frame of a cluster.
+/// The clusters of a graph. If rigid edges contradict each other, poses are computed through the first frame of a cluster.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rigid {
     /// Each frame with the number of its cluster, and `first_from_frame` for the first frame of that.
@@ -16,7 +16,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// `reach` gives all that is rigid with a frame, itself among it, with `frame_from_other`.
+    /// `reach` returns all frames that are rigid with a frame, including itself, with `frame_from_other`.
     pub(super) fn new<'f>(
         frames: &'f BTreeSet<FrameId>,
         reach: impl Fn(&FrameId) -> Vec<(&'f FrameId, Isometry3<f64>)>,
@@ -43,7 +43,7 @@ impl Rigid {
         (cluster == of).then(|| at_target.inv_mul(at_source))
     }
 
-    /// The frames that are rigid with one, itself among them, with `first_from_frame`.
+    /// The frames that are rigid with one, including itself, with `first_from_frame`.
     pub fn cluster(&self, frame: &FrameId) -> &[(FrameId, Isometry3<f64>)] {
         let number = self.of.get(frame).map(|(number, _)| *number);
         number

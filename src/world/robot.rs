@@ -7,14 +7,14 @@ use crate::source::{Place, Placed, SourceId};
 
 use super::claim::{Literal, Pose};
 
-/// A list of numbers as an attribute holds it (`xyz="0 0 1.5"`).
+/// A list of numbers of an attribute (`xyz="0 0 1.5"`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberList {
     /// The attribute's name: `xyz`, `rpy`, `quat_xyzw`, `scale`, ...
     pub attribute: CompactString,
     /// The attribute's text.
     pub text: Placed<CompactString>,
-    /// The pieces between blanks; a piece that is no number has the value NaN and `malformed` says so.
+    /// The pieces between whitespace; a piece that is not a number has the value NaN and is reported in `malformed`.
     pub literals: Vec<Literal>,
     /// How many numbers the attribute should have.
     pub expected: usize,
@@ -58,7 +58,7 @@ pub struct Mesh {
     pub filename: Placed<String>,
     /// Scale factors.
     pub scale: Option<NumberList>,
-    /// Whether the file was found; `None` where it cannot be decided (a `package://` outside the input).
+    /// Whether the file was found; `None` if it cannot be decided (a `package://` outside of the input).
     pub found: Option<bool>,
 }
 
@@ -70,7 +70,7 @@ pub struct Inertial {
     /// Mass, kilograms.
     #[serde(with = "super::number::option")]
     pub mass_kg: Option<f64>,
-    /// `ixx ixy ixz iyy iyz izz`, kg m²; `None` where one is missing or no number.
+    /// `ixx ixy ixz iyy iyz izz`, kg m²; `None` if one is missing or not a number.
     #[serde(with = "super::number::option_array")]
     pub inertia: Option<[f64; 6]>,
     /// The `<mass>` element, if there is one.
@@ -82,7 +82,7 @@ pub struct Inertial {
 /// A `<link>`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
-    /// The name; empty where the attribute is missing.
+    /// The name; empty if the attribute is missing.
     pub name: Placed<String>,
     /// The element's start tag.
     pub place: Place,
@@ -92,15 +92,15 @@ pub struct Link {
     pub meshes: Vec<Mesh>,
     /// Whether the link has any `<visual>` or `<collision>`.
     pub has_geometry: bool,
-    /// What its visuals look like.
+    /// Its visuals.
     #[serde(default)]
     pub visuals: Vec<Visual>,
 }
 
-/// What a part of a link looks like.
+/// The shape of a part of a link, for views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Visual {
-    /// `link_from_visual`; the identity where the numbers make no pose.
+    /// `link_from_visual`; the identity if the numbers are not a pose.
     pub pose: Pose,
     /// Its shape.
     pub shape: Shape,
@@ -118,7 +118,7 @@ pub enum Shape {
     Sphere(#[serde(with = "super::number")] f64),
     /// A file.
     Mesh {
-        /// As it is written; [`crate::source::Source::meshes`] has where it is here.
+        /// As written; [`crate::source::Source::meshes`] has the path here.
         filename: String,
         /// Scale factors.
         #[serde(with = "super::number::array")]
@@ -158,7 +158,7 @@ pub struct Joint {
     pub limit: Option<JointLimit>,
     /// The joint named by `<mimic>`.
     pub mimic: Option<Placed<String>>,
-    /// Whether it stands below a condition of xacro that was not decided (`xacro:if`, `xacro:unless`): it may not be there.
+    /// Whether it is below a condition of xacro that was not evaluated (`xacro:if`, `xacro:unless`): it may not exist.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_conditional: bool,
 }
@@ -177,32 +177,32 @@ pub struct Ignored {
     pub what: String,
     /// The name as written, with its place.
     pub name: Placed<String>,
-    /// The element it stands in.
+    /// The element that contains it.
     pub parent: String,
-    /// The known name it is probably meant to be, if one is near.
+    /// The known name that is probably meant, if one is similar.
     pub meant: Option<String>,
 }
 
-/// An element that stands more often than a consumer reads it.
+/// An element that occurs more often than a consumer reads it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Repeated {
     /// The element's name (`origin`, `axis`, `limit`, `parent`, ...).
     pub element: String,
-    /// Where it stands in: `joint` or `link`, `visual`, ..., and the owner's name.
+    /// What contains it: `joint` or `link`, `visual`, ..., and the owner's name.
     pub owner: String,
     /// All places, in order.
     pub places: Vec<Place>,
 }
 
-/// What a consumer's parser says of the same text.
+/// The result of a consumer's parser for the same text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ConsumerOpinion {
     /// It loads, to these edges `(joint, parent, child)`, sorted, with its own numbers `xyz`, `rpy`.
     Loads(Vec<ConsumerJoint>),
-    /// It refuses, in its own words.
+    /// It refuses the text, with its own message.
     Refuses(String),
-    /// It was not asked, and why.
+    /// It was not run, and why.
     NotAsked(String),
 }
 

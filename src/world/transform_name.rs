@@ -1,6 +1,6 @@
-//! The grammar of transform names: which two frames a name such as `map_T_lidar` speaks of, and in which direction.
+//! The grammar of transform names: which two frames a name such as `map_T_lidar` names, and in which direction.
 //!
-//! Pure text: no files, no numbers. A name says what its author meant, never what the numbers are: who uses it decides
+//! Pure text: no files, no numbers. A name shows what its author meant, not what the numbers are: the caller decides
 //! how far to trust it (see [`TransformName::ambiguous`]).
 
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub enum NameStyle {
     Letters,
 }
 
-/// Which part of a rigid transform a name speaks of.
+/// The part of a rigid transform that a name means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamePart {
@@ -33,18 +33,18 @@ pub enum NamePart {
     Translation,
 }
 
-/// A name of a transform `target_from_source`, taken apart.
+/// A parsed name of a transform `target_from_source`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct TransformName {
-    /// The frame that points are taken to, as spelled.
+    /// The frame to which points are taken, as spelled.
     pub target: String,
-    /// The frame that points are taken from, as spelled.
+    /// The frame from which points are taken, as spelled.
     pub source: String,
     /// How the name is built.
     pub style: NameStyle,
-    /// The part of the transform it speaks of.
+    /// The part of the transform that it means.
     pub part: NamePart,
-    /// Whether the frames or the direction could be read otherwise: always for "to", for names of letters without a
+    /// Whether the frames or the direction are ambiguous: always for "to", for names of letters without a
     /// separator, and where a frame of several words had to be guessed (`T_base_link_lidar`).
     pub ambiguous: bool,
 }
@@ -60,13 +60,13 @@ impl TransformName {
         }
     }
 
-    /// Whether both frames are single letters, perhaps numbered (`B`, `c1`): labels of a formula, not names.
+    /// Whether both frames are single letters, perhaps numbered (`B`, `c1`): symbols of a formula, not names.
     pub fn is_letters(&self) -> bool {
         is_letter(&self.target) && is_letter(&self.source)
     }
 }
 
-/// Words that say nothing about frames, at the end of a name: what is stored, and how.
+/// Words at the end of a name that name no frames: what is stored, and how.
 #[rustfmt::skip]
 const TRAILING: &[&str] = &[
     "transform", "tf", "matrix", "mat", "extrinsic", "extrinsics", "calib", "calibration", "param", "params",
@@ -75,7 +75,7 @@ const TRAILING: &[&str] = &[
 /// Words at the end that name a part of the transform.
 const TRAILING_ROTATION: &[&str] = &["rot", "rotation", "quat", "quaternion", "rpy", "euler", "q"];
 const TRAILING_TRANSLATION: &[&str] = &["trans", "translation", "xyz", "position", "offset"];
-/// Words that say nothing about frames, at the start of a name.
+/// Words at the start of a name that name no frames.
 const LEADING: &[&str] = &[
     "extrinsic",
     "extrinsics",
@@ -99,7 +99,7 @@ const GLUED: &[&str] = &[
     "center",
     "top",
 ];
-/// Whether a word is no frame by itself and belongs to the word before it (`base_link`, `camera_left`).
+/// Whether a word is not a frame by itself and belongs to the word before it (`base_link`, `camera_left`).
 pub(crate) fn is_glued(word: &str) -> bool {
     GLUED.contains(&word)
 }
@@ -113,8 +113,8 @@ const WORDS: &[&str] = &[
     "pub", "pts", "ply", "put", "psi",
 ];
 
-/// Takes a name apart. Of a path (`IMU.T_b_c1`, `a/T_a_b`) only the last part is read. `None` where the name speaks of
-/// no two frames, or where it cannot be told where one frame ends and the other begins.
+/// Parses a name. Of a path (`IMU.T_b_c1`, `a/T_a_b`) only the last part is read. `None` if the name does not
+/// name two frames, or if it is not clear where one frame ends and the other begins.
 ///
 /// ```
 /// use frames_lint::world::transform_name::parse;
@@ -163,7 +163,7 @@ pub fn parse(key: &str) -> Option<TransformName> {
     (name.target != name.source).then_some(TransformName { part, ..name })
 }
 
-/// A word of a name and where it stands in it.
+/// A word of a name and its position in it.
 #[derive(Clone, Copy)]
 struct Word<'a> {
     text: &'a str,
@@ -204,7 +204,7 @@ fn name(target: &str, source: &str, style: NameStyle, part: NamePart, ambiguous:
     }
 }
 
-/// The part that a mark of a transform stands for (`T`, `R`, `t`).
+/// The part that a mark of a transform means (`T`, `R`, `t`).
 fn mark(word: &str) -> Option<NamePart> {
     match word {
         "T" | "Tr" | "TF" | "Tf" | "SE3" | "H" => Some(NamePart::Whole),
@@ -326,7 +326,7 @@ fn prefix(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
         let (target, source) = (spelled(key, &[*target])?, spelled(key, &[*source])?);
         return Some(name(target, source, NameStyle::Prefix, part, false));
     }
-    // A frame may be of several words: `T_base_link_camera_left`.
+    // A frame may have several words: `T_base_link_camera_left`.
     let mut frames: Vec<Vec<Word<'_>>> = Vec::new();
     for word in rest {
         let lower = word.text.to_lowercase();

@@ -106,7 +106,7 @@ impl<'w> Judged<'w> {
             return Some(Cell::Wrong(said(wrong)));
         }
         if let Some(named) = findings.iter().find(|finding| error.is_named_by(finding)) {
-            let is_one = !named.message.contains("cannot tell which");
+            let is_one = !named.text().contains("cannot distinguish");
             return Some(if is_one { Cell::Named } else { Cell::Among(said(named)) });
         }
         if let Some(shown) = findings.first() {
@@ -174,7 +174,7 @@ fn measured(row: &Row) -> String {
 fn new<'v>(before: &Verdict, after: &'v Verdict) -> Vec<&'v Finding> {
     let key = |finding: &Finding| {
         let text: String = finding
-            .message
+            .text()
             .chars()
             .filter(|c| !c.is_ascii_digit() && !"+-.".contains(*c))
             .collect();

@@ -69,7 +69,7 @@ impl Error {
     pub fn is_named_by(&self, finding: &Finding) -> bool {
         let relation = finding.relation.as_deref();
         relation.is_some_and(|word| self.words.contains(&word))
-            || self.texts.iter().any(|text| finding.message.contains(text))
+            || self.texts.iter().any(|text| finding.text().contains(text))
     }
 
     /// Whether a finding shows it and names nothing else.
@@ -77,7 +77,7 @@ impl Error {
         let names = finding.relation.as_deref().is_some_and(|word| word != "clockwise-yaw");
         let is_seen = self.seen_by.iter().any(|seen| seen.starts_with(finding.rule.as_str()));
         // A base that is tilted shows in the tree, too.
-        (is_seen || finding.rule == "TREE13") && !names && !finding.message.contains("what fits all")
+        (is_seen || finding.rule == "TREE13") && !names && !finding.text().contains("Causes that fit all")
     }
 
     /// Whether a row is of a rule that must see it.

@@ -73,10 +73,10 @@ const INDOORS: Seen = Seen {
 };
 
 /// What AXES12 says where the yaw alone shows.
-const INVERSE: &str = "told the wrong way round";
+const INVERSE: &str = "or it is inverted";
 
 /// What TIME07 says of clouds that sweep the other way round.
-const SWEEPS: &str = "the cloud is mirrored, or its z points down";
+const SWEEPS: &str = "The cloud is mirrored, its z axis points down";
 
 /// Every world. Those with the same rays follow each other.
 pub const SEEN: &[Seen] = &[
@@ -234,10 +234,7 @@ pub const SEEN: &[Seen] = &[
     Seen {
         name: "tilted by 6 deg",
         // Under a sensor beside the base the ground is some centimetres off.
-        names: (
-            &["tilted"],
-            &["the mounting's height, or that of the base, is not the real one"],
-        ),
+        names: (&["tilted"], &["the height of the mounting, or of the base, is wrong"]),
         axes: |_| Isometry3::rotation(Vector3::y() * 0.105),
         asked: &[LEVEL],
         ..MOVING
@@ -289,14 +286,14 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "times reversed",
-        names: (&[], &["the times of the points run backwards"]),
+        names: (&[], &["the times of its points run backwards"]),
         cloud: |lidar, _| lidar.times = Times::Reversed,
         asked: &[SWEEP],
         ..WRONG
     },
     Seen {
         name: "float32 UTM",
-        names: (&["float32"], &["calculates in float32 loses digits"]),
+        names: (&["float32"], &["code in float32 loses digits"]),
         cloud: |lidar, _| lidar.offset = [448_262.0, 5_411_932.0, 120.0],
         asked: &[SINGLE],
         ..WRONG

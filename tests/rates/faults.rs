@@ -38,13 +38,13 @@ type Known = (&'static str, &'static [Error], Names);
 const SIDE: &str = "on its side";
 
 /// What a sensor's finding says of a track that may be wrong instead.
-pub const MIRRORED: &str = "the track that it is held against is a mirror image";
+pub const MIRRORED: &str = "the track it is compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "or the position or the orientation beside it is wrong";
+const POSITION: &str = "the position or the orientation beside it may be wrong";
 
 /// What a finding on two orientations says of a mounting.
-pub const CONSTANT: &str = "differ by a constant in the body";
+pub const CONSTANT: &str = "differ by a constant body rotation";
 
 /// Odometry that is stamped on arrival.
 const LATE: &str = "odom 0.1 s late";
@@ -56,7 +56,7 @@ pub const IMU: &[Known] = &[
     (
         "NED/FRD",
         &[Error::NedFrd],
-        (&["ned-frd"], &["all of it is expressed in NED/FRD"]),
+        (&["ned-frd"], &["all of its data are expressed in NED/FRD"]),
     ),
     (
         "orientation NED/FRD",
@@ -66,21 +66,21 @@ pub const IMU: &[Known] = &[
     (
         "world NED",
         &[Error::NedWorld],
-        (&["ned-world"], &["the world of the orientation is north, east, down"]),
+        (&["ned-world"], &["the world of the orientation is NED"]),
     ),
     (
         "conjugate",
         &[Error::Conjugate],
-        (&["inverse"], &["the orientation is the inverse one"]),
+        (&["inverse"], &["the orientation is inverted"]),
     ),
-    ("wxyz", &[Error::Wxyz], (&["wxyz"], &["stand as w, x, y, z"])),
+    ("wxyz", &[Error::Wxyz], (&["wxyz"], &["in the order w, x, y, z"])),
     (
         "conjugate, wxyz",
         &[Error::Conjugate, Error::Wxyz],
         (
             &["wxyz-inverse"],
             &[
-                "stand as w, x, y, z, of the inverse",
+                "in the order w, x, y, z, and inverted",
                 "the inverse would be as level",
                 "read as the inverse",
             ],
@@ -93,8 +93,8 @@ pub const IMU: &[Known] = &[
             &["compass-yaw"],
             &[
                 "the yaw is a compass heading",
-                "grows clockwise: it turns against the course of topic `/odom`",
-                "follows its gyro about one axis, and not about z",
+                "yaw increases clockwise, opposite to the course of topic `/odom`",
+                "does not follow its gyro about z",
             ],
         ),
     ),
@@ -116,7 +116,7 @@ pub const IMU: &[Known] = &[
         &[Error::Backward],
         (
             &["turned-mount", "z180"],
-            &["mounted turned about z", "a sensor mounted backwards", CONSTANT],
+            &["mounted with a yaw", "a sensor mounted backwards", CONSTANT],
         ),
     ),
     (
@@ -124,7 +124,7 @@ pub const IMU: &[Known] = &[
         &[Error::Yaw90],
         (
             &["turned-mount", "z90"],
-            &["mounted turned about z", "a sensor turned to the left", CONSTANT],
+            &["mounted with a yaw", "a sensor rotated to the left", CONSTANT],
         ),
     ),
     (
@@ -137,11 +137,11 @@ pub const IMU: &[Known] = &[
         &[],
         (&["on-its-side"], &["the sensor is mounted on its side", CONSTANT]),
     ),
-    ("Euler XYZ", &[Error::EulerXyz], (&[], &["was put together as"])),
+    ("Euler XYZ", &[Error::EulerXyz], (&[], &["is composed as"])),
     (
         "left-handed",
         &[Error::LeftHanded],
-        (&["mirrored"], &["all of it is expressed in left-handed axes"]),
+        (&["mirrored"], &["all of its data are expressed in left-handed axes"]),
     ),
     (
         "gyro, accel FRD",
@@ -151,20 +151,20 @@ pub const IMU: &[Known] = &[
     (
         "gyro negated",
         &[Error::GyroNegated],
-        (&["gyro-negated"], &["the gyro's rates have the other sign"]),
+        (&["gyro-negated"], &["the angular velocity has the opposite sign"]),
     ),
     ("deg/s", &[Error::DegS], (&[], &["the gyro is in deg/s"])),
-    ("in g", &[Error::G], (&[], &["in units of gravity (g)"])),
-    ("cm/s2", &[Error::CmS2], (&[], &["as in cm/s2"])),
+    ("in g", &[Error::G], (&[], &["the unit is g"])),
+    ("cm/s2", &[Error::CmS2], (&[], &["the unit is cm/s2"])),
     (
         "accel negated",
         &[Error::GravitySign],
-        (&["gravity-sign"], &["the accelerometer has the other sign"]),
+        (&["gravity-sign"], &["the accelerometer has the opposite sign"]),
     ),
     (
         "gravity removed",
         &[Error::GravityRemoved],
-        (&[], &["where gravity was taken off"]),
+        (&[], &["gravity is removed"]),
     ),
 ];
 
@@ -174,7 +174,7 @@ pub const ODOMETRY: &[Known] = &[
     (
         "odom -x",
         &[Error::XNegated],
-        (&["mirrored"], &[MIRRORED, POSITION, "goes backwards all the way"]),
+        (&["mirrored"], &[MIRRORED, POSITION, "moves backwards throughout"]),
     ),
     ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED, POSITION])),
     (
@@ -191,11 +191,11 @@ pub const ODOMETRY: &[Known] = &[
     ("twist reversed", &[Error::TwistReversed], (&["negated"], &[])),
     ("twist -y", &[Error::TwistYNegated], (&["y-negated"], &[])),
     ("twist swapped", &[Error::TwistSwapped], (&["xy-swapped"], &[])),
-    (LATE, &[], (&[], &["shows the motion 0."])),
+    (LATE, &[], (&[], &["is stamped 0."])),
     (
         "yaw rate negated",
         &[Error::TwistYawNegated],
-        (&[], &["has the opposite sign"]),
+        (&[], &["yaw rate has the opposite sign"]),
     ),
 ];
 
@@ -293,15 +293,14 @@ impl Fault {
     /// Whether a finding names it, alone or among those that it says fit as well.
     pub fn is_named_by(self, finding: &Finding) -> bool {
         if let Self::Place(name) = self {
-            return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.message);
+            return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.text());
         }
         if let Self::Cloud(name) = self {
             return cloud_worlds::seen(name).is_named_by(finding);
         }
         self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();
-            relation.is_some_and(|word| words.contains(&word))
-                || texts.iter().any(|text| finding.message.contains(text))
+            relation.is_some_and(|word| words.contains(&word)) || texts.iter().any(|text| finding.text().contains(text))
         })
     }
 }

@@ -64,21 +64,21 @@ impl Made {
 }
 
 /// What QUAT04 says of two orientations expressed in a frame of one name.
-const WORLDS: &str = "differ by a constant of the world";
+const WORLDS: &str = "differ by a constant world rotation";
 
 /// What AXES14 says of poses that may not be of the body that TF knows, or in another order.
-const OTHER_AXES: &str = "or the orientation is expressed in other axes of the body, or with w first";
+const OTHER_AXES: &str = "the orientation may be expressed in other body axes, or with w first";
 
 /// What AXES08 says of poses whose orientation may be wrong.
-const ORIENTATION: &str = "the orientation beside it is wrong";
+const ORIENTATION: &str = "the orientation beside it may be wrong";
 
 /// What AXES13 says of poses that may stand in another order.
-const W_FIRST: &str = "or the four numbers of the orientation stand as w, x, y, z";
+const W_FIRST: &str = "the quaternion may be in the order w, x, y, z";
 
 /// A world whose z points down: the track in it is a mirror image, and its base may be what is upside down.
 const DOWN: Names = (
     &["z-down", "mirrored"],
-    &[MIRRORED, "or the frame that the pose is expressed in has z down"],
+    &[MIRRORED, "the frame that the pose is expressed in may have z down"],
 );
 
 /// Every world.
@@ -106,12 +106,12 @@ pub const MADE: &[Made] = &[
         (&["rfu"], &["a body whose y axis points forward"]),
         |drive| drive.on(Error::YForward),
     ),
-    Made::wrong("base LBU", (&["lbu"], &["a sensor turned to the left"]), |drive| {
+    Made::wrong("base LBU", (&["lbu"], &["a sensor rotated to the left"]), |drive| {
         drive.on(Error::Yaw90)
     }),
     Made::wrong(
         "base backward",
-        (&[], &["goes backwards all the way", "a sensor mounted backwards"]),
+        (&[], &["moves backwards throughout", "a sensor mounted backwards"]),
         |drive| drive.on(Error::Backward),
     ),
     // Frames of the world.
@@ -238,7 +238,7 @@ pub const MADE: &[Made] = &[
 ];
 
 /// What TREE16 says.
-const DRIFTS: &str = "and the odometry drifts";
+const DRIFTS: &str = "but the odometry drifts";
 
 /// A setting of a driver.
 const DRIVER: Names = (&["driver-setting"], &["a yaw that is zero in the north"]);
@@ -253,7 +253,7 @@ const TURNED: Names = (
 const NED: Names = (
     &["ned-frd", "ned-orientation"],
     &[
-        "all of it is expressed in NED/FRD",
+        "all of its data are expressed in NED/FRD",
         "the orientation alone is expressed in NED/FRD",
     ],
 );

@@ -109,7 +109,7 @@ const fn told(scene: &Scene, texts: &'static [&'static str]) -> Scene {
 
 const COMPASS: &[&str] = &["compass-yaw"];
 const SEA: &[&str] = &["msl-as-ellipsoidal"];
-const TWO_ORIGINS: &[&str] = &["two origins"];
+const TWO_ORIGINS: &[&str] = &["put the origin"];
 
 /// Every scene.
 pub const SCENES: &[Scene] = &[
@@ -257,7 +257,7 @@ pub const SCENES: &[Scene] = &[
             &[PLANE],
         ),
         // Where the heights do not tell, what the plane is there is told.
-        &["do not tell whether theirs is one"],
+        &["z may differ from altitude"],
     ),
     faulty(
         "plane, 6 km",
@@ -340,7 +340,7 @@ pub const SCENES: &[Scene] = &[
             &[ORIGINS],
         ),
         // The least of the undulations, which an error of height may be as well.
-        &["two origins 2.97 m apart"],
+        &["put the origin 2.97 m apart"],
     ),
     told(
         &faulty(
@@ -479,10 +479,7 @@ pub const SCENES: &[Scene] = &[
             COMPASS,
             &[IMU_YAW],
         ),
-        &[
-            "the yaw is a compass heading",
-            "follows its gyro about one axis, and not about z",
-        ],
+        &["the yaw is a compass heading", "does not follow its gyro about z"],
     ),
     faulty(
         "compass, poses",

@@ -27,7 +27,7 @@ fn empty_files_and_blanks() {
     for kind in KINDS {
         check(&format!("empty.{kind}"), "", 3, &["the file is empty"]);
         let why = if kind == "mcap" {
-            "not an MCAP: magic missing at byte 0"
+            "not an MCAP: the magic bytes at byte 0 are missing"
         } else {
             "the file holds only blanks"
         };
@@ -46,7 +46,12 @@ fn a_program_under_another_name() {
             &["not a text file", "the first at byte 4"],
         );
     }
-    check("program.mcap", &program[..200_000], 3, &["magic missing at byte 0"]);
+    check(
+        "program.mcap",
+        &program[..200_000],
+        3,
+        &["the magic bytes at byte 0 are missing"],
+    );
     check(
         "program",
         &program[..200_000],
@@ -67,7 +72,7 @@ fn folders_and_paths_that_hold_nothing() {
             folder.path(),
             &[name],
             3,
-            &["the folder holds no file that frames-lint reads"],
+            &["the folder contains no file that frames-lint reads"],
         );
         assert_eq!(report["inputs"][0]["path"], name);
     }
@@ -257,6 +262,6 @@ fn a_recording_that_claims_too_much() {
         (chunk + 25, "a chunk claims 4611686018427387904 bytes"),
     ] {
         let lying = patched(&bytes, at, &u64::to_le_bytes(1 << 62));
-        check("lying.mcap", lying, 3, &["1 of the chunks is damaged, at byte ", why]);
+        check("lying.mcap", lying, 3, &["1 chunk is damaged, at byte ", why]);
     }
 }

@@ -234,8 +234,11 @@ fn a_record_that_claims_more_than_its_chunk_is_refused() {
 fn what_is_no_mcap_is_told_apart() {
     let cases: [(&[u8], &str); 10] = [
         (b"", "the file is empty"),
-        (&[0; 4096], "not an MCAP: magic missing at byte 0"),
-        (b"<robot name='x'/>", "not an MCAP: magic missing at byte 0"),
+        (&[0; 4096], "not an MCAP: the magic bytes at byte 0 are missing"),
+        (
+            b"<robot name='x'/>",
+            "not an MCAP: the magic bytes at byte 0 are missing",
+        ),
         (b"BZh91AY", "not an MCAP: this is a file compressed with bzip2"),
         (b"SQLite format 3\0 etc", "file is not a database"),
         (&[0x1f, 0x8b, 8, 0], "not an MCAP: this is a file compressed with gzip"),
@@ -246,9 +249,9 @@ fn what_is_no_mcap_is_told_apart() {
         (b"PK\x03\x04zip", "not an MCAP: this is a ZIP archive"),
         (
             b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n",
-            "not an MCAP: this is a Git LFS pointer, the recording itself was not downloaded",
+            "not an MCAP: this is a Git LFS pointer; the recording itself was not downloaded",
         ),
-        (b"\x89MCA", "not an MCAP: magic missing at byte 0"),
+        (b"\x89MCA", "not an MCAP: the magic bytes at byte 0 are missing"),
     ];
     for (bytes, expected) in cases {
         let (source, collected) = support::collected(bytes);
@@ -260,7 +263,7 @@ fn what_is_no_mcap_is_told_apart() {
     }
     let folder = tempfile::tempdir().unwrap();
     let (source, _) = support::collected_from(folder.path());
-    assert_eq!(source.detail.as_deref(), Some("the folder holds no recording"));
+    assert_eq!(source.detail.as_deref(), Some("the folder contains no recording"));
     let (source, _) = support::collected_from(&folder.path().join("absent.mcap"));
     assert!(source.detail.unwrap().starts_with("cannot be opened: "));
 }
@@ -295,7 +298,7 @@ fn zeros_and_rubbish_behind_the_magic_end_the_reading_at_once() {
             .detail
             .as_ref()
             .unwrap()
-            .ends_with(": a record of kind 0, which the format does not know"),
+            .ends_with(": a record has the invalid opcode 0: probably zeros in place of data that was never written"),
         "{source:?}"
     );
     let mut longer = bytes.clone();
@@ -330,7 +333,7 @@ fn a_chunk_that_claims_less_than_it_holds_costs_one_file_only() {
     let (source, _) = support::collected(&patched(&bytes, at, &u64::to_le_bytes(7)));
     assert_ne!(source.status, ReadStatus::Read);
     let detail = source.detail.unwrap();
-    assert!(detail.contains("where 444 are claimed"), "{detail}");
+    assert!(detail.contains("its header says 444"), "{detail}");
 }
 
 #[test]
@@ -343,7 +346,9 @@ fn a_message_that_was_logged_outside_of_its_chunk_costs_a_chunk_that_nothing_gua
     assert_eq!(source.status, ReadStatus::Unreadable, "{source:?}");
     let detail = source.detail.unwrap();
     assert!(
-        detail.contains("1 of the 10 messages of a chunk without a checksum were not logged when its head says"),
+        detail.contains(
+            "1 of the 10 messages of a chunk without a checksum have a log time outside of the range in its header"
+        ),
         "{detail}"
     );
     // A head that is wrong of most of its messages is not believed.

@@ -68,14 +68,14 @@ fn a_header_is_read_by_definition_not_by_name() {
             "cdr",
             "ros2idl",
             "struct Radar {};",
-            Err("its definition does not hold the type itself"),
+            Err("its definition does not contain the type itself"),
         ),
         (
             "acme_msgs/msg/Radar",
             "cdr",
             "ros2msg",
             "wstring name\nstd_msgs/Header header\n",
-            Err("its header cannot be reached: `wstring` has no size that all writers agree on"),
+            Err("its header cannot be read: the size of a `wstring` differs between writers"),
         ),
         (
             "foxglove.FrameTransform",
@@ -216,9 +216,9 @@ fn ever_new_names_are_bounded_and_said() {
     );
     let problems: Vec<&str> = source.problems.iter().map(|problem| problem.message.as_str()).collect();
     let expected = [
-        "502 channels beyond the first 10000 topics, or with very long names are not in the evidence",
-        "12000 transforms beyond the first 10000 edges of TF are not in the evidence",
-        "21744 message headers with ever new frame names are not in the evidence",
+        "502 channels beyond the first 10000 topics, or with very long names were left out",
+        "12000 transforms beyond the first 10000 edges of TF were left out",
+        "21744 message headers beyond the limit of different frame names were left out",
     ];
     assert_eq!((source.status, problems), (ReadStatus::Partial, expected.to_vec()));
 }
@@ -269,7 +269,7 @@ fn streams_that_were_not_asked_where_the_platform_went_are_counted() {
             "  - {{topic: /odom{stream}, {odometry}, frame_id: odom{stream}}}"
         )
         .unwrap();
-        let is_said = why(&recipe).contains("streams that show where it went, 16 were asked");
+        let is_said = why(&recipe).contains("streams with a track, 16 were used");
         assert_eq!(is_said, stream >= 16, "{stream}: {}", why(&recipe));
     }
 }

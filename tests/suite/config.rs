@@ -84,7 +84,7 @@ fn what_the_data_contradict_points_at_the_declaration() {
     assert_eq!(ran.code, 1);
     let text = ran.text().split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("frames-lint.yaml:2"), "{text}");
-    assert!(text.contains("expressed in ENU and FLU axes"), "{text}");
+    assert!(text.contains("expressed in ENU/FLU axes"), "{text}");
     assert!(text.contains("declared here"), "{text}");
 }
 
@@ -602,7 +602,7 @@ fn a_configuration_that_is_found_reads_files_of_its_own_repository_only() {
         let ran = told(config, &["."]);
         assert_eq!(ran.code, 2, "{config}");
         assert!(
-            ran.err.contains("lies outside of the repository") && ran.err.contains("--outside"),
+            ran.err.contains("is outside of the repository") && ran.err.contains("--outside"),
             "{}",
             ran.err
         );

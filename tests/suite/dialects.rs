@@ -119,7 +119,7 @@ fn every_error_in_a_file_of_any_dialect_is_named_or_its_class_is() {
                 let names = |finding: &Finding| {
                     let word = finding.relation.as_deref().unwrap_or_default();
                     let in_class = class.iter().any(|relation| relation.word() == word);
-                    in_class && (word == error.word() || finding.message.contains(error.word()))
+                    in_class && (word == error.word() || finding.text().contains(error.word()))
                 };
                 if !run.verdict.findings.iter().any(names) {
                     wrong.push(format!(

@@ -88,7 +88,7 @@ fn a_sensor_that_was_mounted_otherwise_is_told_from_a_convention_error_and_from_
     let said = changes(&remounted);
     assert_eq!((code, said.len()), (1, 1), "{remounted:#}");
     assert!(
-        said[0].1.is_none() && said[0].2.contains("`lidar` is mounted otherwise"),
+        said[0].1.is_none() && said[0].2.contains("`lidar` was probably remounted"),
         "{said:?}"
     );
     let measured = &remounted["changes"][0]["measured"];
@@ -144,9 +144,9 @@ fn frames_that_come_go_and_hang_elsewhere_are_told() {
         .map(|one| one["message"].as_str().unwrap())
         .collect();
     for words in [
-        "`camera_link` is gone, on `base_link`",
-        "`radar` is new, on `base_link`",
-        "`imu` hangs on `lidar` instead of `base_link`",
+        "`camera_link` is gone (parent `base_link`)",
+        "`radar` is new (parent `base_link`)",
+        "`imu` has the parent `lidar` (was `base_link`)",
     ] {
         assert!(messages.contains(&words), "{words}: {messages:#?}");
     }
@@ -274,7 +274,7 @@ fn a_sensor_that_moved_in_tf_alone_is_told_beside_a_robot_that_stays() {
         code == 1
             && messages
                 .iter()
-                .any(|message| message.starts_with("TREE11 on ") && message.contains("fail, and was not there")),
+                .any(|message| message.starts_with("TREE11 on ") && message.contains("fail (was absent)")),
         "{messages:#?}"
     );
 }
@@ -321,9 +321,9 @@ fn clocks_rates_frames_and_types_of_recordings_are_compared() {
         .map(|one| one["message"].as_str().unwrap())
         .collect();
     for words in [
-        "/imu: its frame is `imu_link`, and was `imu`",
+        "/imu: frame is `imu_link` (was `imu`)",
         "/points is new (sensor_msgs/msg/PointCloud2)",
-        "/imu: it comes at 25.00 Hz, and came at 50.00 Hz",
+        "/imu: rate is 25.00 Hz (was 50.00 Hz)",
     ] {
         assert!(messages.contains(&words), "{words}: {messages:#?}");
     }
@@ -331,12 +331,12 @@ fn clocks_rates_frames_and_types_of_recordings_are_compared() {
         .into_iter()
         .find(|change| change.0 == "/fix")
         .unwrap();
-    assert_eq!(clock.2, "GPS time against UTC differs by that much");
+    assert_eq!(clock.2, "matches the offset between GPS time and UTC");
     // What the rules say changed with it.
     assert!(
         messages
             .iter()
-            .any(|message| message.starts_with("TIME01 on ") && message.contains("fail, and was pass")),
+            .any(|message| message.starts_with("TIME01 on ") && message.contains("fail (was pass)")),
         "{messages:#?}"
     );
 }

@@ -134,7 +134,7 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
                 let alike = finding
                     .measured
                     .iter()
-                    .find(|measured| measured.what == "relations that fit alike");
+                    .find(|measured| measured.what == "relations that fit");
                 finding.rule == "CROSS02"
                     && finding.confidence == frames_lint::source::Confidence::Certain
                     && alike.is_some_and(|alike| alike.value < 1.5)
@@ -567,7 +567,7 @@ fn the_program_shows_and_applies_fixes_by_how_safe_they_are() {
     assert!(diff.starts_with("--- a/robot.urdf\n+++ b/robot.urdf\n@@ "), "{diff}");
     assert_eq!(diff.lines().filter(|line| line.starts_with("+ ")).count(), 1, "{diff}");
     assert!(
-        shown.err.contains("would fix 1 finding in 1 file") && shown.err.contains("1 more fix changes behaviour"),
+        shown.err.contains("would fix 1 finding in 1 file") && shown.err.contains("1 other fix changes behaviour"),
         "{}",
         shown.err
     );

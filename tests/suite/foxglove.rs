@@ -162,7 +162,7 @@ fn what_cannot_be_read_is_said_with_the_reason() {
     let topics = &bag(&collected).topics;
     let unread = topics["/no_descriptor"].unread.as_deref().unwrap();
     assert!(
-        unread.starts_with("the descriptor of `foxglove.PointCloud` does not decode"),
+        unread.starts_with("the descriptor of `foxglove.PointCloud` cannot be decoded"),
         "{unread}"
     );
     let json = &topics["/json"];
@@ -173,7 +173,7 @@ fn what_cannot_be_read_is_said_with_the_reason() {
         panic!("{problems:?}");
     };
     assert!(
-        malformed.starts_with("1 of 3 messages on `/json` do not decode: not sound JSON: EOF while parsing"),
+        malformed.starts_with("1 of 3 messages on `/json` do not decode: not valid JSON: EOF while parsing"),
         "{problems:?}"
     );
     assert!(

@@ -88,7 +88,7 @@ fn bombs() {
 fn large_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, why) in [
-        ("zeros.mcap", "magic missing at byte 0"),
+        ("zeros.mcap", "the magic bytes at byte 0 are missing"),
         ("zeros.urdf", "1024 MB are too large"),
         ("zeros.yaml", "1024 MB are too large"),
     ] {

@@ -115,7 +115,7 @@ fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
     assert!(
         all(".finding .message")
             .iter()
-            .any(|message| message.contains("is the mirror image of the satellites'"))
+            .any(|message| message.contains("is the mirror image of the GNSS track"))
     );
     assert!(all(".snippet mark").iter().any(|mark| mark.contains("1.57")));
     assert!(all("#waived .accepted")[0].contains("drawn so <i>by hand</i>"));
@@ -289,7 +289,7 @@ fn a_real_browser_shows_the_page_and_complains_of_nothing() {
     // What is said is seen.
     let seen = page.eval("document.body.innerText");
     let seen = seen.as_str().unwrap();
-    assert!(seen.contains("Not clean: ") && seen.contains("is the mirror image of the satellites'"));
+    assert!(seen.contains("Not clean: ") && seen.contains("is the mirror image of the GNSS track"));
     assert!(seen.contains(HOSTILE), "a hostile name is text");
     // The choice of what is shown works by the style, and the search by the script.
     let visible =

@@ -58,7 +58,7 @@ fn a_type_without_definition_is_said_once_and_the_standard_ones_are_read() {
         .map(|problem| (problem.message.as_str(), problem.help.as_deref()))
         .collect();
     let message = "6 messages of `gps_driver/msg/Fix`: the recording holds no definition of gps_driver/msg/Fix";
-    let help = "give the folder of the package that defines it with --msg-path";
+    let help = "pass the folder of the package that defines it with --msg-path";
     assert_eq!(problems, [(message, Some(help))]);
     let bag = support::bag(&collected);
     let frames: Vec<_> = bag.topics["/scan"]
@@ -84,7 +84,7 @@ fn the_folder_of_a_package_makes_its_types_readable() {
     let refused = call("src");
     assert_eq!(refused.code, 2);
     assert!(
-        refused.err.contains("--msg-path: `src` holds no message definition"),
+        refused.err.contains("--msg-path: `src` contains no message definition"),
         "{}",
         refused.err
     );
@@ -93,7 +93,7 @@ fn the_folder_of_a_package_makes_its_types_readable() {
     std::fs::write(&file, "uint8 quality\nstd_msgs/Header\n").unwrap();
     let wrong = call("src").text();
     assert!(
-        wrong.contains("gps_driver/msg/Fix.msg, line 2: `std_msgs/Header` is no field"),
+        wrong.contains("gps_driver/msg/Fix.msg, line 2: `std_msgs/Header` is not a field"),
         "{wrong}"
     );
 

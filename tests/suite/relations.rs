@@ -164,10 +164,11 @@ fn place(run: &Run, finding: &Finding) -> String {
 /// Whether the finding names the word, or says that it is one of those that can't be told apart.
 fn names(finding: &Finding, word: &str) -> bool {
     let named = finding.relation.as_deref() == Some(word);
-    let listed = finding
-        .message
-        .split_once("indistinguishable here: ")
-        .is_some_and(|(_, list)| list.trim_end_matches(')').split(", ").any(|other| other == word));
+    let text = finding.text();
+    let listed = text
+        .split_once("ndistinguishable here: ")
+        .and_then(|(_, list)| list.split([')', '.', '\n']).next())
+        .is_some_and(|list| list.split(", ").any(|other| other == word));
     named || listed
 }
 
@@ -187,7 +188,8 @@ fn judge_word(relation: Relation, form: Form) -> Option<String> {
     };
     if relation == Relation::Radians {
         // Larger angles in degrees are the far likelier reading of the same two: the URDF is to blame, and both are said.
-        let said = finding.message.contains("degrees") && finding.message.contains("radians that were converted");
+        let text = finding.text();
+        let said = text.contains("in degrees") && text.contains("its radians were converted");
         return (!said || place(&run, finding) != "car.urdf:7").then(|| format!("{case}: {}", finding.message));
     }
     // The order of angles is QUAT03's where the angles are written down: here always those of the URDF.
@@ -448,7 +450,7 @@ fn of_very_many_files_each_is_compared_with_some_and_the_report_says_so() {
                 .reason
                 .as_ref()
                 .unwrap()
-                .contains("100 statements are more than 64")
+                .contains("of 100 statements (more than 64)")
         );
     }
 }

@@ -74,7 +74,7 @@ fn a_recording_that_was_not_closed_is_scanned() {
             assert_eq!(source.status, ReadStatus::Partial, "{what}");
             let told = |text: &str| source.problems.iter().any(|problem| problem.message.contains(text));
             assert!(
-                told("the recording was not closed, and has no index: it was scanned from its top"),
+                told("the recording was not closed and has no index; the bag was scanned from its start"),
                 "{what}"
             );
             assert!(extent.truncated && !extent.indexed && extent.whole && extent.messages_total.is_none());
@@ -117,7 +117,7 @@ fn quirks_of_old_recorders_are_no_faults() {
             source
                 .detail
                 .unwrap()
-                .contains("index records have another length than they say")
+                .contains("index records differ in length from what they say")
         );
         assert!(heard.messages == written && heard.seams == 0 && !extent.truncated);
     }
@@ -160,7 +160,7 @@ fn other_versions_are_refused_with_a_word_of_help() {
         ("#ROSBAG V", "V"),
     ] {
         let (source, extent, _) = read(format!("{magic}\nmore").as_bytes());
-        let expected = format!("a ROS 1 bag of version {version}, and only V2.0 is read");
+        let expected = format!("this ROS 1 bag has version {version}; only V2.0 is read");
         assert_eq!(
             (source.status, source.detail.as_deref()),
             (ReadStatus::Unreadable, Some(expected.as_str()))
@@ -171,7 +171,7 @@ fn other_versions_are_refused_with_a_word_of_help() {
     let (source, _, _) = read(&[0; 100]);
     assert_eq!(
         source.detail.as_deref(),
-        Some("not a ROS 1 bag: magic missing at byte 0")
+        Some("not a ROS 1 bag: the magic bytes at byte 0 are missing")
     );
 }
 
@@ -353,7 +353,7 @@ fn every_real_bag_is_read() {
             source.detail
         );
         if source.status == ReadStatus::Unreadable {
-            assert!(source.detail.unwrap().starts_with("a ROS 1 bag of version V1.2"));
+            assert!(source.detail.unwrap().starts_with("this ROS 1 bag has version V1.2"));
             continue;
         }
         read += 1;

@@ -60,7 +60,7 @@ fn a_bag_cut_at_any_percent_gives_what_stands_before_the_cut() {
                 assert!(written.starts_with(&heard.messages), "{what}");
                 assert!(heard.messages.len() >= before, "{what}");
                 assert_eq!(extent.truncated, cut < index || ending == Ending::Unindexed, "{what}");
-                assert!(told(&source, "it was scanned from its top"), "{what}");
+                assert!(told(&source, "the bag was scanned from its start"), "{what}");
                 before = heard.messages.len();
             }
             assert!(
@@ -84,7 +84,7 @@ fn a_cut_is_told_with_its_byte() {
         "{detail}"
     );
     assert!(
-        told(&source, "behind the end of the file: it was scanned from its top"),
+        told(&source, "past the end of the file; the bag was scanned from its start"),
         "{source:?}"
     );
     assert!(extent.truncated && heard.messages.len() > 60 && written.starts_with(&heard.messages));
@@ -165,7 +165,7 @@ fn reading_goes_on_behind_a_damaged_chunk() {
             let expected = format!("bytes {} to {} ", chunks[2], at + 4 + len);
             let detail = source.detail.clone().unwrap();
             assert!(detail.starts_with(&expected), "{what}");
-            assert!(detail.contains("are left out: a chunk is damaged: "), "{what}");
+            assert!(detail.contains("were skipped: a chunk is damaged: "), "{what}");
         }
     }
 }
@@ -270,7 +270,7 @@ fn times_are_held_against_the_index() {
     assert!(
         told(
             &source,
-            "messages bear another log time than the index gives their chunk"
+            "messages have a log time outside of the range that the index gives for their chunk"
         ),
         "{source:?}"
     );

@@ -119,7 +119,7 @@ fn a_database_of_something_else_is_told_apart() {
         assert_eq!(source.status, ReadStatus::Unreadable, "{source:?}");
         let detail = source.detail.unwrap();
         assert!(
-            detail.starts_with("an SQLite database, but no rosbag2 recording"),
+            detail.starts_with("an SQLite database, but not a rosbag2 recording"),
             "{detail}"
         );
         assert!(detail.contains(expected), "{detail}");
@@ -135,7 +135,10 @@ fn a_database_of_something_else_is_told_apart() {
             b"BZh91AY",
             "not a rosbag2 database: this is a file compressed with bzip2",
         ),
-        (&[7; 600], "not a rosbag2 database: magic missing at byte 0"),
+        (
+            &[7; 600],
+            "not a rosbag2 database: the magic bytes at byte 0 are missing",
+        ),
     ];
     for (bytes, expected) in words {
         let path = folder.path().join("x.db3");
@@ -169,8 +172,8 @@ fn rows_that_are_no_messages_are_counted_and_left_out() {
     let said = messages(&source).join("\n");
     for expected in [
         "1 messages belong to topics that the database does not define",
-        "1 messages are larger than 128 MB and were left out",
-        "3 messages have no time or no bytes and were left out",
+        "1 messages are larger than 128 MB and were skipped",
+        "3 messages have no time or no data and were skipped",
     ] {
         assert!(said.contains(expected), "{said}");
     }
@@ -218,7 +221,7 @@ fn a_recorder_that_was_stopped_leaves_a_log_which_is_read_and_nothing_is_written
     fs::write(copy.path().join("drive_0.db3-journal"), [1; 512]).unwrap();
     let (source, _) = found(&path);
     assert!(
-        messages(&source)[0].starts_with("a rollback journal stands beside it"),
+        messages(&source)[0].starts_with("a rollback journal is next to it"),
         "{source:?}"
     );
     drop(database);
@@ -285,7 +288,7 @@ fn compressed_messages_that_are_damaged_are_counted() {
     assert_eq!(source.examined.messages, Some(MESSAGES - 10));
     let said = messages(&source)[0];
     assert!(
-        said.starts_with("10 of 901 compressed messages do not decompress"),
+        said.starts_with("10 of 901 compressed messages cannot be decompressed"),
         "{said}"
     );
 }
@@ -311,6 +314,6 @@ fn a_compressed_file_that_was_cut_is_read_up_to_the_cut() {
         fs::write(&packed, zstd::encode_all(&b"a letter"[..], 1).unwrap()).unwrap();
         let (source, _) = found(&packed);
         let detail = source.detail.unwrap();
-        assert_eq!(detail, "the file is compressed with zstd and holds no recording");
+        assert_eq!(detail, "the file is compressed with zstd but contains no recording");
     }
 }

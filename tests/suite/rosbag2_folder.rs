@@ -56,7 +56,7 @@ fn a_folder_is_one_recording_however_it_is_named() {
         assert_eq!((source.status, bag(&collected).messages), (ReadStatus::Read, 301));
         let detail = source.detail.unwrap();
         assert!(
-            detail.starts_with("one of the 3 files that `metadata.yaml` beside it names"),
+            detail.starts_with("one of the 3 files that the `metadata.yaml` next to it lists"),
             "{detail}"
         );
     }
@@ -178,25 +178,25 @@ fn metadata_that_says_other_than_the_files_is_quoted() {
         (
             "message_count: 901",
             "message_count: 1000",
-            "the metadata counts 1000 messages, the files hold 901",
+            "the metadata counts 1000 messages, but the files hold 901",
             true,
         ),
         (
             "message_count: 901",
             "message_count: 800",
-            "the metadata counts 800 messages, the files hold 901",
+            "the metadata counts 800 messages, but the files hold 901",
             false,
         ),
         (
             "type: sensor_msgs/msg/Imu",
             "type: sensor_msgs/msg/Image",
-            "gives `/imu` the type `sensor_msgs/msg/Image`",
+            "`/imu` has type `sensor_msgs/msg/Image` in the metadata",
             false,
         ),
         (
             "name: /imu",
             "name: /gps",
-            "names `/gps` with messages, the files do not hold the topic",
+            "lists messages on `/gps`, but the files do not contain this topic",
             true,
         ),
         (
@@ -208,32 +208,37 @@ fn metadata_that_says_other_than_the_files_is_quoted() {
         (
             "version: 9",
             "version: 12",
-            "version 12 of the metadata is newer than the last one known (9)",
+            "version 12 of the metadata is newer than the newest supported one (9)",
             false,
         ),
         (
             "format: \"\"",
             "format: \"lz4\"",
-            "compressed with `lz4`; only zstd is known",
+            "compressed with `lz4`; only zstd is supported",
             false,
         ),
         (
             "- drive_0.db3",
             "- drive_0.db3\n    - drive_1.db3",
-            "names `drive_1.db3`, which is not there",
+            "lists `drive_1.db3`, which does not exist",
             true,
         ),
         (
             "- drive_0.db3",
             "- drive_0.db3\n    - ./drive_0.db3",
-            "`./drive_0.db3` is named twice",
+            "`./drive_0.db3` is listed twice",
             false,
         ),
-        ("since_epoch: 17", "since_epoch: 16", "the metadata's start is", false),
+        (
+            "since_epoch: 17",
+            "since_epoch: 16",
+            "the start time in the metadata differs",
+            false,
+        ),
         (
             "duration:\n    nanoseconds: 5",
             "duration:\n    nanoseconds: 9",
-            "the messages span 5.990 s",
+            "but its messages span 5.990 s",
             false,
         ),
     ];
@@ -256,11 +261,7 @@ fn metadata_that_says_other_than_the_files_is_quoted() {
             quoted.contains(word.trim_matches('"')) || word.contains(quoted),
             "{expected}: {quoted}"
         );
-        let status = if is_partial {
-            ReadStatus::Partial
-        } else {
-            ReadStatus::Read
-        };
+        let status = [ReadStatus::Read, ReadStatus::Partial][usize::from(is_partial)];
         assert_eq!(source.status, status, "{expected}");
         assert_eq!(bag(&collected).messages, MESSAGES);
     }
@@ -364,7 +365,7 @@ fn older_names_and_unnamed_files_are_found() {
     let folder = inputs.iter().find(|input| input.kind == SourceKind::Rosbag2).unwrap();
     let (source, _) = collect_input(folder);
     assert!(
-        messages(&source)[0].starts_with("`drive_1.db3` lies beside the files that are named here"),
+        messages(&source)[0].starts_with("`drive_1.db3` is in the folder but not listed here"),
         "{source:?}"
     );
 }

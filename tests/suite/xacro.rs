@@ -151,7 +151,7 @@ fn a_comment_in_a_macro_is_for_what_is_made_of_it() {
     // What follows from it is still an error.
     let report = check_all(folder.path(), &["car", "parts"], 1, &[]);
     let findings = report["findings"].as_array().unwrap();
-    let missing = |finding: &&Value| finding["message"].to_string().contains("names `chasis` as");
+    let missing = |finding: &&Value| finding["message"].to_string().contains("`chasis` of joint");
     let mut missing = findings.iter().filter(missing).peekable();
     assert!(missing.peek().is_some(), "{report:#}");
     assert!(missing.all(|finding| !finding["waived"].is_null()), "{report:#}");
@@ -250,7 +250,7 @@ fn the_xacro_program_is_the_second_choice_and_has_places_too() {
     }
     let human = run(folder.path(), ["check", "made.xacro", "--xacro", "run"]).text();
     assert!(human.contains("made.xacro:5"), "{human}");
-    assert!(human.contains("names `lost` as its child"), "{human}");
+    assert!(human.contains("child `lost` of joint"), "{human}");
 }
 
 #[test]
@@ -479,7 +479,7 @@ fn values_that_a_xacro_loads_are_judged_in_its_expansion() {
     let mounts = "lidar: {x: 1.0, y: 0.1, z: 1.8, yaw: 2.0}\ncams:\n  - {name: front, yaw: 0.0}\n";
     write(folder.path(), "mounts.yaml", mounts);
     let alone = run_with(folder.path(), ["check", "."], &[]).text();
-    assert!(alone.contains("in a form that is not known"), "{alone}");
+    assert!(alone.contains("in an unknown form"), "{alone}");
     write(
         folder.path(),
         "car.urdf.xacro",

@@ -177,7 +177,7 @@ fn views_are_no_larger_than_they_may_be() {
     let small = std::fs::metadata(&file).unwrap().len();
     let words = String::from_utf8_lossy(&ran.stdout).into_owned();
     assert!(whole > 300_000 && small <= 250_000, "{whole} {small} {words}");
-    assert!(words.contains("to fit --max-size, one in"), "{words}");
+    assert!(words.contains("to stay below --max-size, only one in"), "{words}");
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn a_report_and_views_come_from_one_run_and_what_cannot_be_written_is_said() {
     let out = folder.path().join("a.rrd");
     let ran = program(&["check", "fixtures/first-finding", "--rrd", &out.to_string_lossy()]);
     assert_eq!(ran.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&ran.stderr).contains("views written to"));
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("wrote views to"));
     assert!(std::fs::metadata(&out).unwrap().len() > 1000);
     let nowhere = folder.path().join("no/such/folder.rrd");
     let ran = program(&["view", "fixtures/first-finding", "-o", &nowhere.to_string_lossy()]);

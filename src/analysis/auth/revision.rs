@@ -1,4 +1,4 @@
-//! Two descriptions of one robot: what a recording published against a file beside it.
+//! Two descriptions of one robot: the one in a recording, compared with a file.
 //!
 //! Must not report.
 
@@ -13,9 +13,9 @@ use crate::world::{FrameId, Robot, World};
 /// A link or joint that differs.
 pub(crate) struct Difference {
     pub(crate) words: String,
-    /// Where the file has it, or the file.
+    /// Where it is in the file, or the file.
     pub(crate) file: Place,
-    /// Where the recorded description has it, or that description.
+    /// Where it is in the recorded description, or that description.
     pub(crate) recorded: Place,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct Differences {
     pub(crate) rigid: usize,
 }
 
-/// The one file that describes the same robot: of the same name, or with most links in common; `None` where several do.
+/// The only file that describes the same robot, by links in common; `None` if there are several.
 pub(crate) fn counterpart<'w>(world: &'w World, recorded: &Robot, limits: &Limits) -> Option<&'w Robot> {
     let names: Vec<FrameId> = links(recorded).into_keys().collect();
     let shared = |robot: &Robot| {
@@ -106,7 +106,7 @@ fn compare(child: &FrameId, file: &Joint, recorded: &Joint, limits: &Limits, all
         all.add(format!("`{child}` has another parent"), &file.place, &recorded.place);
     } else if file.kind.value != recorded.kind.value {
         let words = format!(
-            "the joint of `{child}` is {}, and was {}",
+            "the joint of `{child}` is {} in the file and {} in the recording",
             file.kind.value, recorded.kind.value
         );
         all.add(words, &file.place, &recorded.place);
@@ -123,7 +123,7 @@ fn compare(child: &FrameId, file: &Joint, recorded: &Joint, limits: &Limits, all
     }
 }
 
-/// Whether the numbers of the first origins agree; what cannot be read counts as equal.
+/// Whether the numbers of the first origins agree; numbers that cannot be read count as equal.
 fn same_origin(a: &Joint, b: &Joint, limits: &Limits) -> bool {
     let near = |a: Option<[f64; 3]>, b: Option<[f64; 3]>, limit: f64| match (a, b) {
         (Some(a), Some(b)) => a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= limit),

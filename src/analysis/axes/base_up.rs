@@ -1,4 +1,4 @@
-//! Where the acceleration of an inertial sensor at rest points in the base.
+//! Direction of an inertial sensor's acceleration at rest, in the base.
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -31,18 +31,24 @@ pub(crate) struct Up {
     pub(crate) rows: u64,
 }
 
-/// Where the acceleration points, at rest or over a drive.
+/// Direction of the acceleration, at rest or over a drive.
 pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
     let little = |reason: String| (NotEvaluated::TooLittleEvidence, reason);
     if imu.mount.is_none() {
-        let reason = imu.mounting();
+        let reason = match &imu.stream.frame {
+            Some(frame) => format!("`{frame}` is not tied to a base: add a URDF or record `/tf_static`"),
+            None => "its header names no frame, so its mounting is unknown".to_owned(),
+        };
         return Err((NotEvaluated::MissingInput, reason));
     }
     let is_gravity = |length: f64| (length / limits.gravity - 1.0).abs() <= limits.gravity_share;
     let Some(force) = imu.inertial.force.filter(|force| *force > 0.0) else {
-        return Err((NotEvaluated::NotApplicable, "it gives no acceleration".to_owned()));
+        return Err((
+            NotEvaluated::NotApplicable,
+            "its messages hold no acceleration (all zero)".to_owned(),
+        ));
     };
-    // The unit is AXES02's.
+    // AXES02 judges the unit.
     let unit = if is_gravity(force * limits.gravity) {
         1.0 / limits.gravity
     } else {
@@ -56,7 +62,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
         let seconds = imu.stream.seconds();
         if seconds < limits.min_motion_s {
             return Err(little(format!(
-                "{:.1} s at rest and {seconds:.1} s in all; {} s or {} s are needed",
+                "only {:.1} s at rest and {seconds:.1} s in total, {} s or {} s are needed",
                 rest.seconds(),
                 limits.min_rest_s,
                 limits.min_motion_s
@@ -74,7 +80,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
     };
     if !is_gravity(mean.norm() / unit) {
         return Err(little(format!(
-            "the mean acceleration is {:.2} long as published, which is no gravity",
+            "the magnitude of the mean acceleration is {:.2} as published, which is not gravity",
             mean.norm()
         )));
     }

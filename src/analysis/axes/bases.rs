@@ -1,6 +1,6 @@
-//! Which way the axes of a platform's own frame point: by what its odometry says of pose and velocity, and by gravity.
+//! Directions of the axes of a platform's own frame, by pose and velocity of its odometry and by gravity.
 //!
-//! Made once: the rules of inertial sensors leave a base that is turned itself to AXES13. Must not report.
+//! Made once: the rules of inertial sensors leave a rotated base to AXES13. Must not report.
 
 use std::rc::Rc;
 
@@ -53,17 +53,17 @@ impl Axis {
     }
 }
 
-/// What was seen of one base.
+/// Measurements of one base.
 pub(crate) struct Seen {
-    /// The axis of the base that points where it goes.
+    /// The axis of the base that points forward.
     pub(crate) forward: Option<Axis>,
-    /// How much the windows agree on it, 0 to 1.
+    /// Agreement of the windows on it, 0 to 1.
     pub(crate) concentration: f64,
     /// The axis that points along z of the world, by the pose.
     pub(crate) up: Option<Axis>,
-    /// The axis that points up by gravity, and the sensor that says so.
+    /// The axis that points up by gravity, and the sensor that measures it.
     pub(crate) gravity: Option<(Axis, String)>,
-    /// A sensor on the base whose gyro the pose turns against: the two mean other axes of the base.
+    /// A sensor on the base to whose gyro the pose rotates opposite: the two use different axes of the base.
     pub(crate) against: Option<String>,
     /// Whether the velocity that is published with the pose points along the same axis; `None` without one.
     pub(crate) twist_agrees: Option<bool>,
@@ -73,31 +73,31 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// Whether the base is turned itself: the pose says so, and nothing contradicts.
+    /// Whether the base itself is rotated: the pose shows it, and nothing contradicts.
     pub(crate) fn is_turned(&self) -> bool {
         self.is_upside_down() || self.is_sideways()
     }
 
-    /// Whether its x points to the rear, or it drives in reverse all the way.
+    /// Whether its x points to the rear, or it drives in reverse throughout.
     pub(crate) fn is_backward(&self) -> bool {
         self.forward
             .is_some_and(|forward| forward.index == 0 && forward.is_negative)
             && self.twist_agrees != Some(false)
     }
 
-    /// What the base's yaw is more than its course, radians, where another axis than x points where it goes.
+    /// Yaw minus course of the base, radians, if another axis than x points forward.
     pub(crate) fn yaw_minus_course_rad(&self) -> Option<f64> {
         let forward = self.forward.filter(|_| self.is_sideways() || self.is_backward())?;
         let forward = forward.vector();
         (forward.z == 0.0).then(|| -forward.y.atan2(forward.x))
     }
 
-    /// Whether its z points down: against z of the world, unless gravity says that it is the world that is upside down.
+    /// Whether its z points down in the world, unless gravity shows that the world is upside down.
     pub(crate) fn is_upside_down(&self) -> bool {
-        // Without gravity another axis than -z may as well be the world's: a camera's map, or one of the Earth's axes.
+        // Without gravity another axis than -z may be the world's fault: a camera's map, or Earth-fixed axes.
         self.up.is_some_and(|up| match &self.gravity {
             Some((axis, _)) if *axis == up => up.index != 2 || up.is_negative,
-            // A world that is upside down turns with the gyro of what it carries.
+            // In an upside-down world, the pose rotates with the gyro.
             Some((axis, _)) => self.against.is_some() && up.index == 2 && up.is_negative && axis.index == 2,
             None => up.index == 2 && up.is_negative,
         })
@@ -112,7 +112,7 @@ impl Seen {
 /// A platform's own frame.
 pub(crate) struct Base {
     pub(crate) frame: FrameId,
-    /// The stream that says so.
+    /// The stream that shows it.
     pub(crate) stream: String,
     pub(crate) place: Place,
     pub(crate) seen: Look<Seen>,
@@ -124,7 +124,7 @@ pub(crate) struct Bases {
 }
 
 impl Bases {
-    /// The bases of a world; looked at once.
+    /// The bases of a world; made once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         let motion = Motion::of(world);
         world.once(|world| Self {
@@ -140,7 +140,7 @@ fn bases(world: &Estimates, bag: &BagMotion) -> Vec<Base> {
         world.limits::<crate::analysis::axes::base_up::Limits>(),
     );
     let mut found: Vec<Base> = Vec::new();
-    // Odometry with a velocity says most.
+    // Odometry with a velocity shows most.
     let has_twist = |stream: &&Stream<PoseRow>| stream.rows().any(|timed| timed.row.twist.is_some());
     let (with, without): (Vec<_>, Vec<_>) = bag.poses.iter().partition(has_twist);
     for stream in with.into_iter().chain(without) {
@@ -174,7 +174,7 @@ fn bases(world: &Estimates, bag: &BagMotion) -> Vec<Base> {
     found
 }
 
-/// The axis of the base that an inertial sensor on it feels as up.
+/// The axis of the base that points up by an inertial sensor on it.
 fn up_by(
     imu: &Imu,
     base: &FrameId,
@@ -232,20 +232,20 @@ fn look(
         }
     }
     if way_m < limits.min_way_m {
-        // What stands has no front, and still a top.
+        // A stationary base has no forward axis, but an up axis.
         let seen = standing(stream, gravity, against, limits);
         if let Some(seen) = seen.filter(Seen::is_upside_down) {
             return Ok(seen);
         }
         let why = format!(
-            "it goes {way_m:.1} m straight enough to say where its front is; {} m are needed",
+            "it moves only {way_m:.1} m straight enough to show its forward axis, {} m are needed",
             limits.min_way_m
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
     if rows < limits.min_windows {
         let why = format!(
-            "it goes straight in {rows} windows of {} s; {} are needed",
+            "it moves straight in only {rows} windows of {} s, {} are needed",
             limits.window_s, limits.min_windows
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
@@ -270,7 +270,7 @@ fn look(
     })
 }
 
-/// What is seen of a base that goes nowhere: where gravity and the pose agree that its z points down.
+/// Measurements of a stationary base, if gravity and the pose agree that its z points down.
 fn standing(
     stream: &Stream<PoseRow>,
     gravity: Option<(Axis, String)>,

@@ -1,34 +1,34 @@
-//! What may be wrong with an inertial sensor, and what each fault makes the measurements say.
+//! Known faults of inertial sensors, and what each of them does to every measurement.
 //!
-//! Owns the words for what is measured, and the table. Must not measure, nor decide who reports.
+//! Owns the classes of the measurements and the table of faults. Must not measure, nor decide which rule reports.
 
 use crate::analysis::motion::ExpressedIn;
 
-/// What is measured of a sensor.
+/// A measurement of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Aspect {
-    /// Where the acceleration points in the base.
+    /// Direction of the acceleration in the base.
     Base,
-    /// Where the acceleration points in the world.
+    /// Direction of the acceleration in the world.
     World,
-    /// How the orientation turns against the gyro.
+    /// Rotation of the orientation compared with the gyro.
     Turn,
-    /// How the yaw turns against the course.
+    /// Sense of the yaw compared with the course.
     Heading,
-    /// How the gyro turns against the track.
+    /// Sense of the gyro compared with the track.
     Sense,
-    /// Which axis speeds up.
+    /// The axis of the acceleration when the platform speeds up.
     Push,
-    /// In which order the angles behind the orientation are put together.
+    /// Order of the Euler angles behind the orientation.
     AngleOrder,
-    /// How the base that the sensor is mounted on is turned.
+    /// Axes of the base that the sensor is mounted on.
     Body,
 }
 
-/// Where the acceleration at rest points in the base.
+/// Direction of the acceleration at rest in the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Base {
-    /// Up, as it should.
+    /// Up, which is correct.
     Up,
     /// Down.
     Down,
@@ -36,53 +36,53 @@ pub(crate) enum Base {
     Side,
 }
 
-/// Where the acceleration points in the world, by the orientation.
+/// Direction of the acceleration, rotated into the world by the orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum World {
-    /// Up, as it should.
+    /// Up, which is correct.
     Up,
     /// Down.
     Down,
-    /// Elsewhere, steadily.
+    /// Another direction, steadily.
     Elsewhere,
-    /// Beside up, steadily, by less than any convention error turns it.
+    /// Steadily off up, but by less than any convention error.
     Leaning,
-    /// Far from up in the mean, though not steadily. It says which fault it is as little as it is healthy.
+    /// Far from up on average, but not steadily: faulty, with an unknown fault.
     Far,
 }
 
-/// How the orientation turns against the gyro.
+/// Rotation of the orientation compared with the gyro.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Turn {
     /// As its integral.
     Agree,
-    /// As its integral, while it hardly turns about z.
+    /// As its integral, with hardly any rotation about z.
     Tilting,
-    /// The other way, and the inverse orientation agrees best.
+    /// Opposite; the inverse orientation agrees best.
     Inverse,
-    /// The other way, and a gyro with y and z negated agrees best.
+    /// Opposite; a gyro with y and z negated agrees best.
     Frd,
-    /// The other way, and a negated gyro agrees best.
+    /// Opposite; a negated gyro agrees best.
     Negated,
-    /// The other way about z alone.
+    /// Opposite about z alone.
     Yaw,
-    /// The other way; of these it cannot be told which.
+    /// Opposite; the data cannot distinguish the four above.
     Reversed,
-    /// As its integral once it is read otherwise; of several readings it cannot be told which.
+    /// As its integral in another reading; the data cannot distinguish these readings.
     OneOf(Readings),
-    /// As its integral once the four numbers are read as `w x y z`.
+    /// As its integral when the quaternion is read as `w x y z`.
     Reordered,
-    /// As its integral once they are read as `w x y z` of the inverse.
+    /// As its integral when it is read as `w x y z` and inverted.
     ReorderedInverse,
-    /// About one axis only.
+    /// Not about every axis.
     Partly,
-    /// As its integral once the angles behind it are put together in the order of ROS.
+    /// As its integral when its Euler angles are composed in the order of ROS.
     Ordered,
-    /// It does not.
+    /// Not as its integral in any reading.
     Unrelated,
 }
 
-/// Readings of an orientation and its gyro that serve alike.
+/// Readings of an orientation and its gyro that explain the data equally well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Readings(u8);
 
@@ -96,7 +96,7 @@ impl Readings {
         Turn::Yaw,
     ];
 
-    /// Those of a list that have a name.
+    /// The named readings of a list.
     pub(crate) fn of(turns: &[Turn]) -> Self {
         let bits = Self::KNOWN.iter().enumerate();
         Self(bits.fold(0, |sum, (bit, known)| sum | u8::from(turns.contains(known)) << bit))
@@ -108,7 +108,7 @@ impl Readings {
     }
 }
 
-/// How the yaw of the orientation turns against the course.
+/// Sense of the orientation's yaw compared with the course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Heading {
     /// With it.
@@ -117,7 +117,7 @@ pub(crate) enum Heading {
     Against,
 }
 
-/// How the gyro's yaw rate turns against the track.
+/// Sense of the gyro's yaw rate compared with the track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sense {
     /// With it.
@@ -126,7 +126,7 @@ pub(crate) enum Sense {
     Against,
 }
 
-/// Which axis of the base speeds up when the platform does.
+/// The axis of the base along which the platform's changes of speed are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Push {
     /// x.
@@ -137,7 +137,7 @@ pub(crate) enum Push {
     Sideways,
 }
 
-/// What the measurements of one sensor say, as far as they could be made.
+/// The classes of one sensor's measurements; `None` where a measurement was not possible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seen {
     pub(crate) base: Option<Base>,
@@ -153,15 +153,15 @@ pub(crate) struct Seen {
 pub(crate) struct Cause {
     /// A stable word.
     pub(crate) word: &'static str,
-    /// What it is.
+    /// What it is, as a clause for reports.
     pub(crate) text: &'static str,
-    /// What to do.
+    /// What to do, in the imperative.
     pub(crate) help: &'static str,
-    /// The measurement that shows it best, where it shows there.
+    /// The measurement that shows it best, if it shows there.
     pub(crate) shown_by: Aspect,
-    /// Whether a setting of the driver may give it.
+    /// Whether a driver setting can cause it.
     pub(crate) is_of_driver: bool,
-    /// Whether a base that is turned itself makes its sensors look like that.
+    /// Whether a rotated base makes its sensors look like that.
     pub(crate) is_of_mounting: bool,
     base: &'static [Base],
     world: &'static [World],
@@ -171,7 +171,7 @@ pub(crate) struct Cause {
     push: &'static [Push],
 }
 
-/// Of a sensor that is mounted with a yaw, an axis with the other sign may be any of the base's.
+/// With an unknown mounting yaw, a negated axis may be along any horizontal axis of the base.
 const ANY_PUSH: &[Push] = &[Push::Forward, Push::Backward, Push::Sideways];
 
 /// A healthy sensor's measurements.
@@ -190,11 +190,12 @@ pub(crate) const HEALTHY: Cause = Cause {
     push: &[Push::Forward],
 };
 
-/// All of a sensor in the other convention.
+/// All data of a sensor in the other convention.
 const NED: Cause = Cause {
     word: "ned-frd",
-    text: "all of it is expressed in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
-    help: "switch the driver to ENU, or convert: `R_enu_flu = P * R_ned_frd * F`, and negate y and z of gyro and accelerometer",
+    text: "all of its data are expressed in NED/FRD axes (world: north, east, down; body: forward, right, down)",
+    help: "switch the driver to ENU, or convert `R_enu_flu = P * R_ned_frd * F` (P: NED to ENU, F: FRD to FLU) and negate y and z \
+           of gyro and accelerometer",
     shown_by: Aspect::World,
     is_of_driver: true,
     is_of_mounting: false,
@@ -206,13 +207,13 @@ const NED: Cause = Cause {
     push: ANY_PUSH,
 };
 
-/// The faults that are known, each alone.
+/// The known faults, each alone.
 pub(crate) const CAUSES: &[Cause] = &[
     NED,
     Cause {
         word: "ned-world",
-        text: "the world of the orientation is north, east, down, where its body is forward, left, up",
-        help: "turn the orientation into ENU: `R_enu_flu = P * R_ned_flu`",
+        text: "the world of the orientation is NED, while its body is FLU",
+        help: "convert the orientation to an ENU world: `R_enu_flu = P * R_ned_flu` (P: NED to ENU)",
         shown_by: Aspect::World,
         world: &[World::Down],
         heading: &[Heading::Against],
@@ -220,9 +221,9 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "mirrored",
-        text: "all of it is expressed in left-handed axes (y to the right), or the track that it is held against is a mirror image",
-        help: "negate y of the acceleration, x and z of the angular velocity and of the quaternion; or look at the order of latitude \
-               and longitude, or x and y, of the track",
+        text: "all of its data are expressed in left-handed axes (y to the right), or the track it is compared with is mirrored",
+        help: "negate y of the acceleration, x and z of the angular velocity and of the quaternion; or correct the order of latitude \
+               and longitude (or of x and y) in the track",
         shown_by: Aspect::Heading,
         heading: &[Heading::Against],
         sense: &[Sense::Against],
@@ -232,10 +233,10 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "ned-orientation",
         text: "the orientation alone is expressed in NED/FRD axes",
-        help: "convert the orientation: `R_enu_flu = P * R_ned_frd * F`",
+        help: "convert the orientation: `R_enu_flu = P * R_ned_frd * F` (P: NED to ENU, F: FRD to FLU)",
         shown_by: Aspect::Turn,
         is_of_driver: true,
-        // Of a body that leans, roll and pitch with the other sign lean it twice as far.
+        // Roll and pitch with the opposite sign double the tilt of a leaning body.
         world: &[World::Up, World::Elsewhere],
         turn: &[Turn::Frd, Turn::Reversed],
         heading: &[Heading::Against],
@@ -253,9 +254,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "inverse",
-        text: "the orientation is the inverse one (from world to body, or JPL numbers read as Hamilton's)",
-        help: "conjugate the quaternion (negate x, y and z): it is the inverse, or JPL numbers read as Hamilton's, and the data cannot \
-               tell which",
+        text: "the orientation is inverted (body_from_world, or a JPL quaternion read as Hamilton)",
+        help: "conjugate the quaternion (negate x, y and z)",
         shown_by: Aspect::Turn,
         world: &[World::Up, World::Elsewhere],
         turn: &[Turn::Inverse, Turn::Reversed],
@@ -264,8 +264,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "wxyz",
-        text: "the four numbers of the orientation stand as w, x, y, z",
-        help: "write them as x, y, z, w",
+        text: "the quaternion is in the order w, x, y, z",
+        help: "publish the quaternion as x, y, z, w",
         shown_by: Aspect::Turn,
         world: &[World::Up, World::Down, World::Elsewhere],
         turn: &[Turn::Reordered],
@@ -274,8 +274,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "wxyz-inverse",
-        text: "the four numbers of the orientation stand as w, x, y, z, of the inverse one",
-        help: "write them as x, y, z, w, and conjugate the quaternion (negate x, y and z)",
+        text: "the quaternion is in the order w, x, y, z, and inverted",
+        help: "publish the quaternion as x, y, z, w, and conjugate it (negate x, y and z)",
         shown_by: Aspect::Turn,
         world: &[World::Up, World::Down, World::Elsewhere],
         turn: &[Turn::ReorderedInverse],
@@ -284,8 +284,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "sensor-frd",
-        text: "gyro and accelerometer are expressed in FRD axes (y right, z down), the orientation is not",
-        help: "negate y and z of gyro and accelerometer, or give them a frame of their own that TF turns by 180 deg about x",
+        text: "gyro and accelerometer are expressed in FRD axes (y right, z down), but the orientation is not",
+        help: "negate y and z of gyro and accelerometer, or give them their own frame, rotated by 180 deg about x in TF",
         shown_by: Aspect::Turn,
         is_of_mounting: true,
         base: &[Base::Down],
@@ -297,7 +297,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "gyro-negated",
-        text: "the gyro's rates have the other sign",
+        text: "the angular velocity has the opposite sign",
         help: "negate the angular velocity",
         shown_by: Aspect::Turn,
         turn: &[Turn::Negated, Turn::Reversed],
@@ -315,8 +315,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "frd-body",
-        text: "the body of the orientation alone is forward, right, down: its world is as it should be",
-        help: "turn the body of the orientation into FLU: `R_enu_flu = R_enu_frd * F`",
+        text: "only the body of the orientation is FRD; its world is correct",
+        help: "convert the body of the orientation to FLU: `R_enu_flu = R_enu_frd * F` (F: FRD to FLU)",
         shown_by: Aspect::World,
         world: &[World::Down],
         turn: &[Turn::Frd, Turn::Reversed],
@@ -324,8 +324,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "gravity-sign",
-        text: "the accelerometer has the other sign: it gives gravity, not specific force",
-        help: "negate the acceleration: at rest and level z reads +9.81 (REP-145)",
+        text: "the accelerometer has the opposite sign: it measures gravity, not specific force",
+        help: "negate the acceleration: at rest and level, z reads +9.81 m/s2 (REP-145)",
         shown_by: Aspect::Base,
         is_of_mounting: true,
         base: &[Base::Down],
@@ -335,8 +335,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "upside-down",
-        text: "the sensor is mounted upside down, and TF does not say so",
-        help: "turn the sensor's frame by 180 deg about x in TF or URDF",
+        text: "the sensor is mounted upside down, and TF does not include that rotation",
+        help: "rotate the sensor's frame by 180 deg about x in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
         base: &[Base::Down],
@@ -346,8 +346,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "on-its-side",
-        text: "the sensor is mounted on its side, and TF does not say so",
-        help: "give the sensor's frame its rotation in TF or URDF",
+        text: "the sensor is mounted on its side, and TF does not include that rotation",
+        help: "add the sensor's rotation to its frame in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
         base: &[Base::Side],
@@ -357,8 +357,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "turned-mount",
-        text: "the sensor is mounted turned about z, or its y axis points forward, and TF does not say so",
-        help: "give the sensor's frame its yaw in TF or URDF",
+        text: "the sensor is mounted with a yaw, or its y axis points forward, and TF does not include it",
+        help: "add the sensor's yaw to its frame in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,
         push: &[Push::Backward, Push::Sideways],
@@ -366,17 +366,17 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
 ];
 
-/// What the first of the faults is of a sensor that is said to be expressed in NED.
+/// The first fault, for a sensor whose data are declared as NED.
 const NOT_NED: Cause = Cause {
     word: "enu-flu",
-    text: "all of it is expressed in ENU and FLU axes (x forward, y left, z up, in a world of east, north, up)",
-    help: "correct the declaration or the frame's name; or switch the driver to NED",
+    text: "all of its data are expressed in ENU/FLU axes (world: east, north, up; body: forward, left, up)",
+    help: "correct the declaration or the frame's name, or switch the driver to NED",
     is_of_driver: false,
     ..NED
 };
 
 impl Cause {
-    /// What the fault is of a sensor whose numbers were brought from what they are said to be expressed in.
+    /// The fault as it is called for a sensor whose data were converted from a declared convention.
     pub(crate) fn seen_from(&'static self, expressed_in: &ExpressedIn) -> &'static Self {
         if *self == NED && expressed_in.is_ned() {
             &NOT_NED
@@ -386,8 +386,8 @@ impl Cause {
     }
 
     pub(crate) fn fits(&self, seen: Seen) -> bool {
-        fn any<T: PartialEq>(seen: Option<T>, told: &[T]) -> bool {
-            seen.is_none_or(|seen| told.contains(&seen))
+        fn any<T: PartialEq>(seen: Option<T>, allowed: &[T]) -> bool {
+            seen.is_none_or(|seen| allowed.contains(&seen))
         }
         any(seen.base, self.base)
             && any(seen.world, self.world)

@@ -1,4 +1,4 @@
-//! The faults that fit what was seen of an inertial sensor, and the measurement that shows them best.
+//! The faults that fit all measurements of an inertial sensor, and the measurement that shows them best.
 //!
 //! One wrong setting shows in several measurements. Must not measure.
 
@@ -9,7 +9,7 @@ use crate::tables::InsDriver;
 
 use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Seen, Sense, Turn, World};
 
-/// The measurements, in the order in which one of them stands for what fits several faults.
+/// The measurements in the order in which they are reported when several faults fit.
 const ORDER: [Aspect; 6] = [
     Aspect::World,
     Aspect::Base,
@@ -19,18 +19,18 @@ const ORDER: [Aspect; 6] = [
     Aspect::Push,
 ];
 
-/// What the faults make of one sensor.
+/// The faults of one sensor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Diagnosis {
-    /// The faults that fit everything that was measured; none where nothing is wrong, or no fault that is known fits.
+    /// The faults that fit all measurements; empty if nothing is wrong, or if no known fault fits.
     pub(crate) causes: Vec<&'static Cause>,
     /// The measurement that shows them best.
     pub(crate) shown_by: Option<Aspect>,
-    /// Whether the base goes backwards all the way, which a healthy one may do.
+    /// Whether the base moves backwards throughout, which a healthy one may do.
     pub(crate) goes_backward: bool,
-    /// What the sensor's numbers were expressed in.
+    /// The convention that the sensor's data are declared in.
     pub(crate) expressed_in: ExpressedIn,
-    /// The driver, where names tell it.
+    /// The driver, if names identify it.
     driver: Option<Arc<InsDriver>>,
 }
 
@@ -38,8 +38,7 @@ impl Diagnosis {
     /// Finds the faults that fit.
     pub(crate) fn of(mut seen: Seen, expressed_in: &ExpressedIn, driver: Option<Arc<InsDriver>>) -> Self {
         if seen.turn == Some(Turn::Ordered) {
-            // The order is a fault by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
-            // its own.
+            // The order is a fault by itself. Wrong roll and pitch tilt the world; everything else has its own cause.
             let tilted = seen.world == Some(World::Elsewhere);
             seen.turn = Some(Turn::Agree);
             seen.world = seen.world.filter(|_| !tilted);
@@ -48,7 +47,7 @@ impl Diagnosis {
             return Self { shown_by, ..rest };
         }
         if seen.turn == Some(Turn::Partly) {
-            // About one axis it does not follow, which shows by itself; about the others it says nothing that would be a cause.
+            // One axis does not follow, which is reported by itself; it identifies no cause here.
             seen.turn = None;
         }
         let expressed_in = expressed_in.clone();
@@ -79,7 +78,7 @@ impl Diagnosis {
         }
     }
 
-    /// Where the base itself is turned, or goes backwards, its sensors look wrongly mounted.
+    /// A rotated base, or one that moves backwards, makes its sensors look wrongly mounted.
     pub(crate) fn leave_mounting_to_body(&mut self, goes_backward: bool) {
         self.goes_backward = goes_backward;
         if self.causes.iter().any(|cause| cause.is_of_mounting) {
@@ -87,22 +86,20 @@ impl Diagnosis {
         }
     }
 
-    /// The faults in words, for the end of a message; empty where none is known.
-    pub(crate) fn words(&self) -> String {
-        match self.causes.as_slice() {
+    /// A sentence on the faults, for the detail of a finding; empty if none is known.
+    pub(crate) fn sentence(&self) -> String {
+        let texts: Vec<&str> = self.causes.iter().map(|cause| cause.text).collect();
+        match texts.as_slice() {
             [] => String::new(),
-            [one] => format!(": {}", one.text),
-            several => {
-                let texts: Vec<&str> = several.iter().map(|cause| cause.text).collect();
-                format!(
-                    "; what fits all that was measured: {}. These data cannot tell which",
-                    texts.join("; or: ")
-                )
-            }
+            [one] => format!("Cause that fits all measurements: {one}."),
+            several => format!(
+                "Causes that fit all measurements, which these data cannot distinguish: {}.",
+                numbered(several)
+            ),
         }
     }
 
-    /// The word of the relation.
+    /// The word of the relation, if one fault fits.
     pub(crate) fn word(&self) -> Option<&'static str> {
         match self.causes.as_slice() {
             [one] => Some(one.word),
@@ -113,7 +110,11 @@ impl Diagnosis {
     /// What to do.
     pub(crate) fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
-        let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
+        let help = match helps.as_slice() {
+            [] => return None,
+            [one] => (*one).to_owned(),
+            several => format!("depending on the cause: {}", numbered(several)),
+        };
         Some(match &self.driver {
             Some(driver) if self.causes.iter().any(|cause| cause.is_of_driver) => format!(
                 "{help}. {} measures in {}: {}",
@@ -124,7 +125,13 @@ impl Diagnosis {
     }
 }
 
-/// A wrong setting of a driver that what was seen does not rule out. A heading in place of a yaw is judged by itself.
+/// `(1) first; (2) second`.
+fn numbered(texts: &[&str]) -> String {
+    let texts = (1..).zip(texts).map(|(number, text)| format!("({number}) {text}"));
+    texts.collect::<Vec<_>>().join("; ")
+}
+
+/// A wrong driver setting that the measurements do not rule out. A heading instead of a yaw is judged by itself.
 pub(crate) fn unseen(seen: Seen) -> Option<&'static Cause> {
     let is_setting = |cause: &&Cause| cause.is_of_driver && cause.word != "compass-yaw";
     CAUSES.iter().find(|cause| is_setting(cause) && cause.fits(seen))
@@ -170,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_track_tells_a_negated_accelerometer_from_a_sensor_in_ned() {
+    fn a_track_distinguishes_a_negated_accelerometer_from_a_sensor_in_ned() {
         let still = Seen {
             world: Some(World::Down),
             base: Some(Base::Down),
@@ -192,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn of_readings_that_serve_alike_the_other_measurements_leave_some() {
+    fn the_other_measurements_rule_out_some_of_several_equal_readings() {
         let seen = Seen {
             turn: Some(Turn::OneOf(Readings::of(&[Turn::Inverse, Turn::Reordered]))),
             ..Seen::default()

@@ -1,4 +1,4 @@
-//! What the mounting of a lidar lacks in yaw.
+//! Yaw error of a lidar's mounting.
 
 use serde::Deserialize;
 
@@ -8,13 +8,13 @@ use crate::math::circular::{circular_mean, difference};
 use crate::math::yaw_search::{Pair, search};
 use crate::verdict::{Measured, NotEvaluated};
 
-/// Way between two scans of the search, metres: farther than their points are apart.
+/// Distance between two scans of the search, metres: more than the spacing of their points.
 const SEARCH_WAY_M: f64 = 1.5;
-/// Pairs of scans for the search: a tenth of them can be left out to see how sure the rest is.
+/// Pairs of scans for the search: enough to leave out a tenth and estimate the error.
 const SEARCH_PAIRS: usize = 20;
-/// From here on a yaw is another one, and no neighbour of the best, degrees.
+/// Yaws further apart than this are different ones, degrees.
 const SEARCH_APART_DEG: f64 = 15.0;
-/// Standard errors between the best yaw and another: the best of 180 yaws, with room for pairs that share a place.
+/// Standard errors between the best yaw and another: for the best of 180 yaws, with a margin for pairs at the same place.
 const SEARCH_T: f64 = 6.0;
 
 #[derive(Debug, Deserialize)]
@@ -31,7 +31,7 @@ pub(crate) struct Limits {
     pub(crate) named_deg: f64,
 }
 
-/// The yaw between the way of the lidar by its scans and by the poses.
+/// The yaw between the directions of motion by the scans and by the poses.
 pub(crate) struct Yaw {
     /// What the mounting lacks, degrees.
     pub(crate) off_deg: f64,
@@ -41,16 +41,16 @@ pub(crate) struct Yaw {
     pub(crate) pairs: usize,
 }
 
-/// What shows that there is one yaw.
+/// Evidence that there is one yaw.
 pub(crate) enum Sure {
     /// The directions of all pairs: the length of their mean.
     Resultant(f64),
-    /// All scans together, which fall on each other at this yaw alone: how much better than at any other, in standard errors.
+    /// All scans together, which coincide at this yaw alone: margin to any other yaw, in standard errors.
     Search(f64),
 }
 
 impl Yaw {
-    /// How many quarter turns it is, where it is near some; 0 where the mounting is right.
+    /// Number of 90-degree turns, if it is near one; 0 if the mounting is right.
     pub(crate) fn quarters(&self, limits: &Limits) -> Option<i8> {
         if self.off_deg.abs() <= limits.pass_deg {
             return Some(0);
@@ -77,7 +77,7 @@ impl Yaw {
     }
 }
 
-/// What a lidar shows beside the poses: the yaw that its mounting lacks, and the pairs it comes from.
+/// The yaw that the mounting of a lidar lacks, and the pairs of motions it is estimated from.
 pub(crate) fn look(
     world: &Estimates,
     clouds: &Clouds,
@@ -92,9 +92,9 @@ pub(crate) fn look(
     Ok((yaw, known))
 }
 
-/// The yaw at which all scans together fall on each other, where too few could be matched one by one; or what that lacks.
+/// The yaw at which all scans together coincide, if too few could be matched one by one; or why there is none.
 fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits) -> Result<Yaw, String> {
-    let standing = Standing::of(world, clouds).ok_or("no ground shows which way is up")?;
+    let standing = Standing::of(world, clouds).ok_or("no visible ground shows which way is up")?;
     let motion = Motion::of(world);
     let body_at = known.body_at(world, &motion, clouds);
     let mut pairs = Vec::new();
@@ -116,12 +116,12 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
         }
     }
     pairs.retain(|pair: &Pair| !pair.from.is_empty() && !pair.to.is_empty());
-    let told = known.told * standing.up_from_cloud.inverse();
+    let stated = known.told * standing.up_from_cloud.inverse();
     let is_enough = pairs.len() >= SEARCH_PAIRS;
-    let found = is_enough.then(|| search(&pairs, &in_plane(&told), SEARCH_APART_DEG.to_radians()));
+    let found = is_enough.then(|| search(&pairs, &in_plane(&stated), SEARCH_APART_DEG.to_radians()));
     let Some(found) = found.flatten() else {
         return Err(format!(
-            "{} pairs of scans that are {} m apart show anything over the ground, and {} would do for all of them together",
+            "only {} pairs of scans that are {} m apart show objects above the ground, {} are needed to match all of them together",
             pairs.len(),
             SEARCH_WAY_M,
             SEARCH_PAIRS
@@ -130,8 +130,8 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
     let error_deg = found.sigma_rad.to_degrees();
     if found.t < SEARCH_T || error_deg > limits.max_error_deg {
         return Err(format!(
-            "nor do all {} together: another yaw is {:.1} standard errors from the best ({} are needed), which is known to {error_deg:.1} deg ({} are \
-             needed). {} times as many would do, or a place with more to see over the ground",
+            "all {} matched together leave another yaw {:.1} standard errors from the best ({} are needed), which is known to \
+             {error_deg:.1} deg ({} are needed): record {} times as many, or a place with more objects above the ground",
             found.pairs,
             found.t,
             SEARCH_T,
@@ -147,7 +147,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
     })
 }
 
-/// How many times as many pairs: errors fall with the root of their number.
+/// Factor of pairs that is needed: errors fall with the square root of their number.
 fn more(t: f64, error_deg: f64, limits: &Limits) -> f64 {
     let times = (SEARCH_T / t.max(0.5)).max(error_deg / limits.max_error_deg);
     times.powi(2).ceil()
@@ -178,25 +178,26 @@ pub(crate) fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated
         .collect();
     if off.len() < limits.min_pairs {
         return Err(little(format!(
-            "{} pairs of scans are {} m apart, straight enough and well matched; {} are needed",
+            "only {} pairs of scans are {} m apart, straight enough and well matched, {} are needed",
             off.len(),
             limits.min_way_m,
             limits.min_pairs
         )));
     }
     let mean = circular_mean(off.iter().map(|(off, _)| (*off, 1.0)));
-    // Where all turn to one side, a moment that is off looks like a yaw.
+    // If all turn to one side, a clock offset looks like a yaw.
     let turning = off.iter().map(|(_, rate)| rate).sum::<f64>() / off.len() as f64;
     let late_deg = (turning * known.late.unsure_s).abs().to_degrees();
-    let told = mean.map(|mean| Yaw {
+    let found = mean.map(|mean| Yaw {
         off_deg: mean.mean_rad.to_degrees(),
         error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees().hypot(late_deg),
         sure: Sure::Resultant(mean.resultant),
         pairs: off.len(),
     });
     let is_steady = mean.is_some_and(|mean| mean.resultant >= limits.min_resultant);
-    told.filter(|yaw| is_steady && yaw.error_deg <= limits.max_error_deg)
+    found
+        .filter(|yaw| is_steady && yaw.error_deg <= limits.max_error_deg)
         .ok_or_else(|| {
-            little("the way of the scans and that of the poses have no steady angle between them".to_owned())
+            little("the angle between the directions of motion by the scans and by the poses is not steady".to_owned())
         })
 }

@@ -1,4 +1,4 @@
-//! Whether the gyro turns with the track.
+//! Whether the gyro has the same sign as the turns of the track.
 
 use std::sync::Arc;
 
@@ -32,41 +32,41 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Whether the gyro turns as far as the track, one way or the other: it is in rad/s.
+    /// Whether the magnitudes of both turn rates match, so that the gyro is in rad/s.
     pub(crate) fn confirms_gyro(&self) -> bool {
         (0.5..=2.0).contains(&self.slope.gain.abs())
     }
 }
 
 impl Limits {
-    /// Whether a slope is one.
+    /// Whether a slope is significant.
     pub(crate) fn tells(&self, slope: &Slope) -> bool {
         self.turns(slope) && slope.t().abs() >= self.min_t && slope.correlation.abs() >= self.min_correlation
     }
 
-    /// Whether the course turns enough to tell anything.
+    /// Whether the course turns enough.
     fn turns(&self, slope: &Slope) -> bool {
         slope.excitation >= self.min_rate && slope.seconds() >= self.min_s
     }
 }
 
-/// Yaw rate over the turning of one track; `None` where the two do not tell.
+/// Yaw rate over the turn rate of one track; `None` if there is too little evidence.
 pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
     let integrals = Integrals::of(imu);
-    // As the rule itself looks: poses tell a course at less speed than satellites do.
+    // As in the rule: poses give a course at lower speeds than GNSS.
     let slow = (!track.is_geodetic).then_some(limits.odometry_speed_m_s);
     let slopes = [Some(limits.speed_m_s), slow].into_iter().flatten();
     let mut slopes = slopes.map(|speed_m_s| Rates::of(&integrals, &track.courses(speed_m_s)).turning);
     Some(slopes.find(|slope| limits.tells(slope))?.gain)
 }
 
-/// Whether the course of a track turns, and not as the gyro does: the vehicle does not go where it looks.
+/// Whether the course of a track turns, but unlike the gyro: the vehicle does not move where it faces.
 pub(crate) fn is_uncoupled(integrals: &Integrals, track: &Track, limits: &Limits) -> bool {
     let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
     limits.turns(&slope) && slope.correlation.abs() < limits.min_correlation
 }
 
-/// How the gyro turns against the first track that tells.
+/// Sign of the gyro, by the first track with enough turns.
 pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
     needed(tracks)?;
     let mut best: Option<Slope> = None;
@@ -90,8 +90,7 @@ pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits
     }
     let best = best.unwrap_or_default();
     let why = format!(
-        "the course turns by {:.3} rad/s (rms) in {:.0} s of motion, with a correlation of {:+.2}; {} rad/s, {} s and {} are \
-         needed",
+        "the course turns by only {:.3} rad/s (rms) in {:.0} s of motion (correlation {:+.2}); {} rad/s, {} s and {} are needed",
         best.excitation,
         best.seconds(),
         best.correlation,

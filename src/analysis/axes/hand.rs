@@ -8,7 +8,7 @@ use crate::math::stats::median;
 use crate::verdict::Measured;
 use crate::world::motion::FixRow;
 
-/// What one pair of tracks says.
+/// Result of one pair of tracks.
 pub(crate) struct Hand {
     /// Whether it is mirrored.
     pub(crate) is_mirrored: bool,
@@ -16,7 +16,7 @@ pub(crate) struct Hand {
     pub(crate) measured: Measured,
 }
 
-/// Whether a track is the mirror image of the satellites'; `None` where the two do not tell.
+/// Whether a track is the mirror image of the GNSS track; `None` if there is too little evidence.
 pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Option<Hand> {
     let votes = Votes::of(&fixes.track(), track, min_minor_m(fixes, limits), limits);
     Some(Hand {
@@ -25,7 +25,7 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
     })
 }
 
-/// The track of a receiver with latitude and longitude exchanged; `None` where that is no place on the Earth.
+/// The track of a receiver with latitude and longitude swapped; `None` if that is no place on the Earth.
 pub(crate) fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Arc<Track>> {
     let mut exchanged = fixes.clone();
     for fix in exchanged.stretches.iter_mut().flatten() {
@@ -35,7 +35,7 @@ pub(crate) fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Arc<Track>> {
     is_place.then(|| exchanged.track())
 }
 
-/// How far odometry must spread to be told from its mirror image under this receiver's noise.
+/// Sideways spread that distinguishes odometry from its mirror image under this receiver's noise.
 pub(crate) fn min_minor_m(fixes: &Stream<FixRow>, limits: &Limits) -> f64 {
     let sigmas: Vec<f64> = fixes.rows().filter_map(|timed| timed.row.horizontal_sd_m()).collect();
     median(&sigmas).map_or(limits.min_minor_m, |sigma| {

@@ -1,4 +1,4 @@
-//! Two tracks of one platform, laid over each other turned and mirrored, window by window.
+//! Two tracks of one platform, fitted to each other rotated and mirrored, window by window.
 //!
 //! Must not judge.
 
@@ -10,37 +10,37 @@ use crate::math::drifting::{fit_drifting, laid_drifting};
 use crate::math::similarity2::{path_length, spread};
 use crate::math::stats::median;
 
-/// From one look at a window that grows to the next, seconds.
+/// Interval between two evaluations of a growing window, seconds.
 const LOOK_EVERY_S: f64 = 1.0;
 
-/// What the windows say.
+/// Votes of the windows.
 #[derive(Debug, Default)]
 pub(crate) struct Votes {
-    /// Windows in which the odometry turned enough to tell.
+    /// Windows in which the odometry turned enough.
     pub(crate) windows: usize,
-    /// Windows that say turned, and mirrored.
+    /// Votes for rotated, and for mirrored.
     pub(crate) says: [usize; 2],
-    /// Root mean squares of the fit turned and of the fit mirrored over the windows that voted: the medians, metres.
+    /// Root mean squares of the rotated and of the mirrored fit in the windows that voted: the medians, metres.
     pub(crate) rms_m: [f64; 2],
-    /// Longest way along a window, metres.
+    /// Longest distance in a window, metres.
     pub(crate) longest_m: f64,
     /// Largest standard deviation of the odometry across its main direction in any window, metres.
     pub(crate) widest_m: f64,
-    /// Of each window the part of the satellites' spread that the better fit leaves: 0 fits, 1 says nothing.
+    /// Residual of the better fit in each window over the extent of the GNSS track: 0 fits, 1 means nothing.
     remains: Vec<f64>,
     /// The same of the windows that voted.
     voted_remains: Vec<f64>,
-    /// When the windows that voted began and ended, seconds after the recording's start.
+    /// Start and end of the windows that voted, seconds after the recording's start.
     voted_s: Vec<(f64, f64)>,
 }
 
-/// Root mean squares of the fits turned and mirrored, of the windows that voted, metres.
+/// Root mean squares of the rotated and mirrored fits in the windows that voted, metres.
 type Fits = [Vec<f64>; 2];
 
-/// Places of the odometry, and of the satellites' track.
+/// Positions of the odometry, and of the GNSS track.
 type Places = (Vec<Vector2<f64>>, Vec<Vector2<f64>>);
 
-/// One place by both tracks.
+/// One position by both tracks.
 struct Both {
     t_s: f64,
     odometry: Vector2<f64>,
@@ -48,14 +48,14 @@ struct Both {
 }
 
 impl Votes {
-    /// Lays the odometry over the satellites' track; `min_minor_m` is how far it must spread across its main direction.
+    /// Fits the odometry to the GNSS track; `min_minor_m` is its minimum spread across its main direction.
     pub(crate) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
         let mut found = Self::default();
         let mut rms = Fits::default();
         let mut at = odometry.follow();
         for stretch in &satellites.stretches {
             let mut window: Vec<Both> = Vec::new();
-            // A longer window is looked at from time to time, or the cost would grow with its square.
+            // Evaluated at intervals, or the cost would grow with the square of its length.
             let mut next_s = limits.window_s;
             for (t_s, satellite) in stretch {
                 let Some(place) = at(*t_s) else {
@@ -73,8 +73,8 @@ impl Votes {
                     continue;
                 }
                 next_s = lasts + LOOK_EVERY_S;
-                let told = found.look(&window, min_minor_m, &mut rms, limits);
-                if told || lasts >= limits.longest_window_s {
+                let voted = found.look(&window, min_minor_m, &mut rms, limits);
+                if voted || lasts >= limits.longest_window_s {
                     window.clear();
                     next_s = limits.window_s;
                 }
@@ -85,7 +85,7 @@ impl Votes {
         found
     }
 
-    /// The times of each window that voted, seconds, and where the odometry and the satellites are at them, metres in their own frames.
+    /// The times of each window that voted, seconds, and the positions of odometry and GNSS at them, metres in their own frames.
     fn voted(&self, satellites: &Track, odometry: &Track) -> impl Iterator<Item = (Vec<f64>, Places)> {
         let mut at = odometry.follow();
         self.voted_s.iter().map(move |(from_s, to_s)| {
@@ -107,7 +107,7 @@ impl Votes {
         median(&better)
     }
 
-    /// The satellites' track, and the odometry laid over it turned and mirrored, in each window that voted: east and north, metres.
+    /// The GNSS track, and the odometry fitted to it rotated and mirrored, in each window that voted: east and north, metres.
     pub(crate) fn laid_over(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> [Vec<Vec<[f64; 2]>>; 3] {
         let mut laid: [Vec<Vec<[f64; 2]>>; 3] = Default::default();
         for (times, (of_odometry, of_satellites)) in self.voted(satellites, odometry) {
@@ -128,30 +128,30 @@ impl Votes {
         ends.map_or((0.0, 0.0), |((from_s, _), (_, to_s))| (*from_s, *to_s))
     }
 
-    /// Share of the windows that voted for what most of them say.
+    /// Share of the votes for the majority.
     pub(crate) fn agreement(&self) -> f64 {
         let [turned, mirrored] = self.says;
         turned.max(mirrored) as f64 / (turned + mirrored).max(1) as f64
     }
 
-    /// Whether the odometry is mirrored, where enough windows agree.
+    /// Whether the odometry is mirrored, if enough windows agree.
     pub(crate) fn majority(&self, limits: &Limits) -> Option<bool> {
         let [turned, mirrored] = self.says;
         (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
     }
 
-    /// The part of the satellites' spread that the better fit leaves in windows that voted, the median, where a mirror image would leave less.
+    /// Median residual of the better fit over the extent of the GNSS track, if it is too large for a mirror image.
     pub(crate) fn loosely(&self, limits: &Limits) -> Option<f64> {
         median(&self.voted_remains).filter(|remains| *remains > limits.mirror_leaves)
     }
 
-    /// The least part of the satellites' spread that any window leaves, where there are enough and none can be explained.
+    /// Lowest residual over the extent of the GNSS track, if there are enough windows and none is explained.
     pub(crate) fn unexplained(&self, limits: &Limits) -> Option<f64> {
         let least = self.remains.iter().copied().fold(f64::INFINITY, f64::min);
         (self.remains.len() >= limits.unexplained_windows && least >= limits.unexplained).then_some(least)
     }
 
-    /// Whether the window spreads enough to tell; counts its vote.
+    /// Whether the window spreads enough; counts its vote.
     fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
@@ -164,11 +164,11 @@ impl Votes {
         };
         self.longest_m = self.longest_m.max(way_m);
         self.widest_m = self.widest_m.max(spread.minor_sd_m);
-        let is_told = |minor_m: f64| minor_m >= min_minor_m;
-        if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
+        let is_wide = |minor_m: f64| minor_m >= min_minor_m;
+        if !is_wide(spread.minor_sd_m) || !is_wide(by_satellites.minor_sd_m) || window.len() < limits.min_points {
             return false;
         }
-        // Odometry's heading drifts, and bends a straight way as its mirror image may be bent.
+        // Heading drift bends a straight track as that of a mirror image may be bent.
         let Some(fits) = fit_drifting(&times, &odometry, &satellites, limits.drift_deg_s.to_radians()) else {
             return false;
         };

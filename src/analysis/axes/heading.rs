@@ -1,4 +1,4 @@
-//! The yaw of an orientation against the course of a track: which way it turns, and where its zero is.
+//! The yaw of an orientation compared with the course of a track: its sense and its zero.
 //!
 //! Must not judge.
 
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::analysis::motion::{Course, Yaws};
 use crate::math::circular::{Span, circular_mean, wrapped};
 
-/// Which way a yaw turns.
+/// Sense of a yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sense {
     /// Counter-clockwise, seen from above: REP-103.
@@ -18,12 +18,12 @@ pub(crate) enum Sense {
     Right,
 }
 
-/// A yaw against a course.
+/// A yaw compared with a course.
 #[derive(Debug, Default)]
 pub(crate) struct Heading {
     /// Windows with a turn that were judged.
     pub(crate) windows: usize,
-    /// Windows in which the yaw turns with the course, and against it.
+    /// Windows in which the yaw turns with the course, and opposite to it.
     pub(crate) votes: [usize; 2],
     /// Courses in the windows that voted.
     pub(crate) samples: usize,
@@ -35,7 +35,7 @@ pub(crate) struct Heading {
     pub(crate) offset_resultant: f64,
     /// Largest turn of the course within a window, radians.
     pub(crate) widest_rad: f64,
-    /// Longest way along a window that turned enough, metres.
+    /// Longest distance in a window that turned enough, metres.
     pub(crate) longest_m: f64,
     /// Time of the first and last course that voted, seconds after the recording's start.
     pub(crate) span_s: Option<(f64, f64)>,
@@ -50,7 +50,7 @@ struct Pair {
 }
 
 impl Heading {
-    /// Holds the yaw of the base's x axis, by the orientation as published, against the courses.
+    /// Compares the yaw of the base's x axis, by the orientation as published, with the courses.
     pub(crate) fn of(yaws: &Yaws, courses: &[Vec<Course>], limits: &Limits) -> Self {
         let mut heading = Self::default();
         let mut voted: Vec<(Sense, Vec<Pair>)> = Vec::new();
@@ -82,7 +82,7 @@ impl Heading {
         heading
     }
 
-    /// What a window that turned so far votes for; `None` where it turned or went too little, or does not tell.
+    /// Vote of a window; `None` if it turned or moved too little, or is not clear.
     fn ask(&mut self, window: Vec<Pair>, turned_rad: f64, limits: &Limits) -> Option<(Sense, Vec<Pair>)> {
         if turned_rad < limits.min_turn_deg.to_radians() {
             return None;
@@ -120,7 +120,7 @@ impl Heading {
         self.span_s = times().reduce(f64::min).zip(times().reduce(f64::max));
     }
 
-    /// Standard deviation of the offset, degrees, as of a wrapped normal distribution.
+    /// Standard deviation of the offset, degrees, for a wrapped normal distribution.
     pub(crate) fn offset_spread_deg(&self) -> f64 {
         (-2.0 * self.offset_resultant.max(f64::MIN_POSITIVE).ln())
             .max(0.0)
@@ -128,7 +128,7 @@ impl Heading {
             .to_degrees()
     }
 
-    /// The widest sector into which no course points, degrees.
+    /// The widest sector without a course, degrees.
     pub(crate) fn widest_gap_deg(&self) -> f64 {
         let mut courses: Vec<f64> = self
             .pairs_rad
@@ -162,7 +162,7 @@ impl Heading {
     }
 }
 
-/// What one window says.
+/// Vote of one window.
 fn vote(window: &[Pair], limits: &Limits) -> Option<Sense> {
     let [left, right] = [Sense::Left, Sense::Right].map(|sense| (sense, resultant(window, sense).1));
     let (best, other) = if right.1 > left.1 { (right, left) } else { (left, right) };
@@ -186,7 +186,7 @@ fn weight(pair: &Pair) -> f64 {
     pair.course.speed_m_s / (pair.course.speed_m_s + 1.0)
 }
 
-/// Length of the way along courses, metres.
+/// Distance along courses, metres.
 fn way_m(courses: &[Course]) -> f64 {
     let step = |pair: &[Course]| match pair {
         [a, b] => (b.t_s - a.t_s) * (a.speed_m_s + b.speed_m_s) / 2.0,

@@ -1,17 +1,17 @@
-//! What the rules on axes give to be looked at. Must not judge.
+//! Plots of the rules on axes. Must not judge.
 
 use crate::analysis::axes::heading::{Heading, Sense};
 use crate::math::circular::wrapped;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
 
-/// Yaw over course, with the line that fits, and that which a yaw of REP-103 lies on.
+/// Yaw over course, with the fitted line and that of REP-103.
 pub(crate) fn yaw(title: String, heading: &Heading, is_geodetic: bool) -> Plot {
     let degrees = |pair: &[f64; 2]| pair.map(|rad| wrapped(rad).to_degrees());
     let pairs = heading.pairs_rad.iter().map(degrees);
     let mut series = vec![Series::points("yaw at each course", pairs)];
-    // Where a track does not know east, its course counts from anywhere, and no line is the right one.
+    // Without east, the course has an arbitrary zero, and no line is the right one.
     if is_geodetic {
-        series.extend(Series::lines("as REP-103 has it: yaw = course", along_deg(1.0, 0.0)));
+        series.extend(Series::lines("REP-103: yaw = course", along_deg(1.0, 0.0)));
     }
     let (sign, words) = match heading.winner() {
         Sense::Left => (1.0, "counter-clockwise"),
@@ -47,11 +47,11 @@ fn along_deg(sign: f64, offset_deg: f64) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The track of satellites and the odometry laid over it, turned and mirrored, in stretches: east and north, metres.
+/// The GNSS track and the odometry fitted to it, rotated and mirrored, in stretches: east and north, metres.
 pub(crate) fn tracks(title: String, laid: [Vec<Vec<[f64; 2]>>; 3], with_mirrored: bool) -> Option<Plot> {
     let [fixed, turned, mirrored] = laid;
-    let mut series = Series::lines("satellites", fixed);
-    series.extend(Series::lines("odometry, turned to fit", turned));
+    let mut series = Series::lines("GNSS", fixed);
+    series.extend(Series::lines("odometry, rotated to fit", turned));
     if with_mirrored {
         series.extend(Series::lines("odometry, mirrored to fit", mirrored));
     }
@@ -65,7 +65,7 @@ pub(crate) fn tracks(title: String, laid: [Vec<Vec<[f64; 2]>>; 3], with_mirrored
     })
 }
 
-/// z of the ground over time, with where it should be and how far it may be from there, metres.
+/// z of the ground over time, with its expected value and tolerance, metres.
 pub(crate) fn ground(
     title: String,
     points: impl IntoIterator<Item = [f64; 2]>,
@@ -78,9 +78,9 @@ pub(crate) fn ground(
     };
     let limits = expected_m.map(|(at_m, off_m)| {
         vec![
-            level("where it should be", at_m),
-            level("highest", at_m + off_m),
-            level("lowest", at_m - off_m),
+            level("expected", at_m),
+            level("highest allowed", at_m + off_m),
+            level("lowest allowed", at_m - off_m),
         ]
     });
     (!points.points.is_empty()).then(|| Plot {
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_drawn_of_nothing() {
+    fn an_empty_series_gives_no_plot() {
         assert_eq!(tracks(String::new(), Default::default(), true), None);
         assert_eq!(ground(String::new(), [], Some((0.0, 0.1))), None);
         let drawn = ground(String::new(), [[0.0, 0.02]], Some((0.0, 0.1)));

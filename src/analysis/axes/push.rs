@@ -1,4 +1,4 @@
-//! Along which axis of the base the platform speeds up.
+//! The axis of the base along which changes of speed are measured.
 
 use std::sync::Arc;
 
@@ -32,11 +32,11 @@ pub(crate) struct Pushed {
     pub(crate) track_at: Place,
 }
 
-/// Along which axis the first track that tells speeds up.
+/// The axis of the changes of speed, by the first track with enough of them.
 pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Pushed> {
     needed(tracks)?;
     let force = imu.inertial.force.unwrap_or(0.0);
-    // The unit is AXES02's.
+    // AXES02 judges the unit.
     let unit = if (0.9..1.1).contains(&force) {
         limits.gravity
     } else {
@@ -50,9 +50,9 @@ pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limi
         let Rates { forward, sideways, .. } = rates;
         let is_slope = |slope: f64| (limits.least_slope..=limits.most_slope).contains(&slope.abs());
         let excited = forward.excitation >= limits.min_acceleration && forward.effective >= limits.min_effective;
-        let tells = |slope: &Slope| slope.t().abs() >= limits.min_t && is_slope(slope.gain);
-        let along_x = tells(&forward) && forward.gain.abs() >= 2.0 * sideways.gain.abs();
-        let along_y = tells(&sideways) && sideways.gain.abs() >= 2.0 * forward.gain.abs();
+        let is_clear = |slope: &Slope| slope.t().abs() >= limits.min_t && is_slope(slope.gain);
+        let along_x = is_clear(&forward) && forward.gain.abs() >= 2.0 * sideways.gain.abs();
+        let along_y = is_clear(&sideways) && sideways.gain.abs() >= 2.0 * forward.gain.abs();
         if excited && (along_x || along_y) {
             let class = match (along_y, forward.gain > 0.0) {
                 (true, _) => Push::Sideways,
@@ -73,8 +73,8 @@ pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limi
     }
     let best = best.unwrap_or_default();
     let why = format!(
-        "the speed changes by {:.2} m/s2 (rms), which shows {:+.2} times along x (t {:.1}) and {:+.2} times along y (t {:.1}); {} \
-         m/s2 and t {} are needed",
+        "the speed changes by only {:.2} m/s2 (rms), measured with gain {:+.2} along x (t {:.1}) and {:+.2} along y (t {:.1}); {} m/s2 \
+         and t {} are needed",
         best.forward.excitation,
         best.forward.gain,
         best.forward.t(),

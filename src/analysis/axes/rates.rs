@@ -1,33 +1,33 @@
-//! What gyro and accelerometer of a sensor say of a track: turning against turning, force against speeding up.
+//! Gyro and accelerometer of a sensor compared with a track: turn rates with turn rates, specific force with changes of speed.
 //!
-//! Courses and speeds are means over two seconds, so the integrals of the sensor are smoothed alike. Must not judge.
+//! Courses and speeds are means over two seconds, so the integrals of the sensor are smoothed in the same way. Must not judge.
 
 use nalgebra::Vector3;
 
 use crate::analysis::motion::{Course, Follower, Imu, around};
 use crate::math::circular::wrapped;
 
-/// Half the time that a course is taken over, seconds.
+/// Half the duration of a course, seconds.
 const HALF_S: f64 = 1.0;
-/// From one pair to the next, seconds, as courses come.
+/// Interval between pairs, that of courses, seconds.
 const STEP_S: f64 = 0.5;
-/// Points that a mean is taken from.
+/// Points in a mean.
 const PARTS: usize = 5;
 /// Longest step between two rows that is integrated over, seconds.
 const MAX_STEP_S: f64 = 0.5;
 
-/// A line through pairs of changes: how much the sensor changes for one of the track.
+/// A line through pairs of changes of the sensor and of the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Slope {
-    /// Change of the sensor for one of the track.
+    /// Change of the sensor over change of the track.
     pub(crate) gain: f64,
     /// Correlation.
     pub(crate) correlation: f64,
-    /// Root mean square of the track's changes, in a second.
+    /// Root mean square of the track's changes per second.
     pub(crate) excitation: f64,
     /// Pairs.
     pub(crate) pairs: usize,
-    /// Pairs that do not overlap, as if they were drawn one by one.
+    /// Number of independent (not overlapping) pairs.
     pub(crate) effective: f64,
 }
 
@@ -75,19 +75,19 @@ impl Slope {
     }
 }
 
-/// The sensor against the track.
+/// The sensor compared with the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Rates {
-    /// Rate about the base's z axis against the turning of the course.
+    /// Rate about the base's z axis over turn rate of the course.
     pub(crate) turning: Slope,
-    /// Force along the base's x axis against the change of speed.
+    /// Force along the base's x axis over change of speed.
     pub(crate) forward: Slope,
-    /// Force along the base's y axis against the change of speed.
+    /// Force along the base's y axis over change of speed.
     pub(crate) sideways: Slope,
 }
 
 impl Rates {
-    /// Holds the sensor's integrals against the courses.
+    /// Compares the sensor's integrals with the courses.
     pub(crate) fn of(integrals: &Integrals, courses: &[Vec<Course>]) -> Self {
         let mut smooth = integrals.follow();
         let (mut turning, mut forward, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
@@ -150,7 +150,7 @@ impl Integrals {
         Self { stretches }
     }
 
-    /// How far the base turned about its z axis between two times, radians; `None` where the gyro does not cover them.
+    /// Rotation of the base about its z axis between two times, radians; `None` if the gyro does not cover them.
     pub(crate) fn turned_rad(&self, from_s: f64, to_s: f64) -> Option<f64> {
         let covers = |run: &&Vec<(f64, Vector3<f64>)>| {
             run.first().is_some_and(|first| first.0 <= from_s) && run.last().is_some_and(|last| last.0 >= to_s)
@@ -163,7 +163,7 @@ impl Integrals {
         Some(at(to_s)? - at(from_s)?)
     }
 
-    /// Means over two seconds about times that mostly grow.
+    /// Means over two seconds around times that mostly increase.
     fn follow(&self) -> impl FnMut(f64) -> Option<Vector3<f64>> + '_ {
         let mut parts: Vec<_> = self
             .stretches

@@ -1,6 +1,6 @@
-//! What the rules of an inertial sensor see of it, and the fault that explains all of it together.
+//! All measurements of an inertial sensor, and the fault that explains them together.
 //!
-//! Made once, by the limits of the rules' pages: each of the rules reports what it sees, or points to the one that reports
+//! Made once, with the limits of the rules' pages: each rule reports its own measurement, or defers to the rule that reports
 //! the fault.
 
 use std::rc::Rc;
@@ -28,13 +28,13 @@ pub(crate) struct Sensor {
     pub(crate) push: Look<Pushed>,
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
-    /// What the driver's profile says of the yaw's offset from the course, where that is large.
+    /// The entry of the driver's profile for the yaw's offset from the course, if that is large.
     pub(crate) offset: Option<Offset>,
-    /// The simulator that names in its recording tell.
+    /// The simulator that names in the recording identify.
     pub(crate) simulator: Option<Arc<Simulator>>,
-    /// What the base's yaw is more than its course, radians, where another axis of it than x points forward.
+    /// Yaw minus course of the base, radians, if another axis than its x points forward.
     pub(crate) base_yaw_rad: Option<f64>,
-    /// A wrong setting of a driver that would look the same as what was seen.
+    /// A wrong driver setting that the measurements do not rule out.
     pub(crate) unseen: Option<&'static Cause>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Sensors {
 }
 
 impl Sensors {
-    /// The sensors of a world; looked at once.
+    /// The sensors of a world; made once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         let (motion, bases, worlds) = (Motion::of(world), Bases::of(world), Worlds::of(world));
         world.once(|world| Self {
@@ -63,7 +63,7 @@ impl Sensors {
         self.bags.get(index).map_or(&[], Vec::as_slice)
     }
 
-    /// Every sensor of the motion with what is seen of it.
+    /// Every sensor of the motion with its measurements.
     pub(crate) fn each<'a>(&'a self, motion: &'a Motion) -> impl Iterator<Item = (&'a Imu, &'a Sensor)> {
         let bags = motion.bags.iter().zip(&self.bags);
         bags.flat_map(|(bag, known)| bag.imus.iter().zip(known))
@@ -92,7 +92,7 @@ fn sensors(
         estimates.limits::<gyro_vs_track::Limits>(),
         estimates.limits::<crate::analysis::axes::push::Limits>(),
     );
-    // In a frame whose z points down, tracks turn the other way; in one that lies on its side, they are no track.
+    // In a frame with z down, tracks turn the other way; in one on its side, they are no tracks.
     let tracks = bag.tracks(is_off);
     let asked = |(why, reason): (NotEvaluated, String)| match why {
         NotEvaluated::TooLittleEvidence => (why, tracks.why(reason)),
@@ -113,12 +113,12 @@ fn sensors(
             base_yaw_rad: None,
             unseen: None,
         };
-        // A gyro alone may be in degrees, and show its bias.
+        // A gyro that nothing confirms may be in degrees, and show only its bias.
         if sensor.turn.is_err() && sensor.sense.as_ref().is_ok_and(gyro_vs_track::Turned::confirms_gyro) {
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
-        // A yaw that is the integral of its gyro turns against no course that the gyro has nothing to do with.
+        // A yaw that is the integral of its gyro is not compared with a course that is unrelated to the gyro.
         if let Ok(seen) = &sensor.heading
             && seen.class() == causes::Heading::Against
             && sensor.sense.is_err()
@@ -129,7 +129,7 @@ fn sensors(
         {
             let mut own = tracks.asked.iter().filter(|track| track.subject == seen.track);
             if own.any(|track| gyro_vs_track::is_uncoupled(&integrals, track, &sense)) {
-                let why = "the course turns otherwise than the gyro, whose integral the yaw is: it does not go where it looks";
+                let why = "the course is unrelated to the gyro, with which the yaw agrees: the platform does not move where it faces";
                 sensor.heading = Err((NotEvaluated::TooLittleEvidence, why.to_owned()));
             }
         }
@@ -152,23 +152,23 @@ fn sensors(
 }
 
 impl Sensor {
-    /// Where its acceleration points in the base; `None` where that was not measured.
+    /// Direction of its acceleration in the base; `None` if it was not measured.
     pub(crate) fn stands(&self) -> Option<causes::Base> {
         self.base.as_ref().ok().map(|up| up.class)
     }
 
-    /// Whether a track that it turns against may be the one with the other hand: poses of a simulator, beside an upright sensor.
+    /// Whether a track that it contradicts may be the left-handed one: poses of a simulator, beside an upright sensor.
     fn may_doubt(&self, is_geodetic: bool) -> bool {
         self.simulator.is_some() && !is_geodetic && self.stands() == Some(causes::Base::Up)
     }
 
-    /// Whether the yaw turns against poses that a simulator may have given the other hand.
+    /// Whether the yaw contradicts poses of a simulator, which may be left-handed.
     pub(crate) fn heading_is_against_a_simulator(&self) -> bool {
         let heading = self.heading.as_ref();
         heading.is_ok_and(|seen| seen.class() == causes::Heading::Against && self.may_doubt(seen.is_geodetic))
     }
 
-    /// Whether the gyro turns against poses that a simulator may have given the other hand.
+    /// Whether the gyro contradicts poses of a simulator, which may be left-handed.
     pub(crate) fn sense_is_against_a_simulator(&self) -> bool {
         let sense = self.sense.as_ref();
         sense.is_ok_and(|seen| seen.class == causes::Sense::Against && self.may_doubt(seen.is_geodetic))
@@ -179,7 +179,7 @@ impl Sensor {
         self.world.as_ref().map_err(Clone::clone).and_then(Above::off_up_rad)
     }
 
-    /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
+    /// Yaw minus course, radians, if the track knows east; or why it was not measured.
     pub(crate) fn offset_rad(&self) -> Look<f64> {
         self.heading
             .as_ref()
@@ -191,10 +191,10 @@ impl Sensor {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
         }
-        // What the poses of a simulator contradict may be the poses' fault.
+        // A contradiction with the poses of a simulator may be the poses' fault.
         let mut heading = class(&self.heading, Decided::class).filter(|_| !self.heading_is_against_a_simulator());
         let mut sense = class(&self.sense, |seen| seen.class).filter(|_| !self.sense_is_against_a_simulator());
-        // Two tracks that contradict each other: what turns against one may be the track's fault, so the other says nothing.
+        // Two tracks that contradict each other: a contradiction with one of them may be the track's fault and is not counted.
         if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
             && by_yaw.track != by_gyro.track
         {

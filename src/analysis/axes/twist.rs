@@ -1,4 +1,4 @@
-//! What the velocity of odometry may mean: its readings, and how well each explains the motion of the pose.
+//! Possible readings of odometry's velocity, and how well each explains the motion of the pose.
 //!
 //! Must not judge.
 
@@ -15,19 +15,19 @@ pub(crate) enum Reading {
     Body,
     /// In the header's frame.
     World,
-    /// In the child frame, the other way round.
+    /// In the child frame, negated.
     Backwards,
     /// In the child frame, y to the right.
     RightHand,
-    /// In the child frame, x and y changed.
+    /// In the child frame, x and y swapped.
     Swapped,
-    /// In the child frame, of the inverse orientation.
+    /// In the child frame, with the inverse orientation.
     Inverse,
-    /// In the child frame, of positions with y negated.
+    /// In the child frame, with y of the position negated.
     PositionY,
-    /// In the child frame, of positions with x negated.
+    /// In the child frame, with x of the position negated.
     PositionX,
-    /// In the child frame, of positions with x and y changed.
+    /// In the child frame, with x and y of the position swapped.
     PositionSwapped,
 }
 
@@ -56,7 +56,7 @@ impl Reading {
         }
     }
 
-    /// Whether it is the pose that is told otherwise, not the velocity.
+    /// Whether it reads the pose in another way, not the velocity.
     pub(crate) fn is_of_pose(self) -> bool {
         matches!(
             self,
@@ -64,38 +64,35 @@ impl Reading {
         )
     }
 
+    /// The fault: behind "velocity" and before the child frame, or of the pose as a clause of its own.
     pub(crate) fn words(self) -> &'static str {
         match self {
-            Self::Body => "in the child frame",
-            Self::World => "expressed in the header's frame",
-            Self::Backwards => {
-                "told backwards (-x, -y), or the orientation is turned by 180 deg about z against the position"
-            }
-            Self::RightHand => "told with y to the right",
-            Self::Swapped => {
-                "told with x and y changed, or the orientation is turned by 90 deg about z against the position"
-            }
-            Self::Inverse => "right, and the orientation is the inverse one (child_from_header, or JPL numbers)",
-            Self::PositionY => "right, and the position is a mirror image (y negated)",
-            Self::PositionX => "right, and the position is a mirror image (x negated)",
-            Self::PositionSwapped => "right, and the position is a mirror image (x and y changed)",
+            Self::Body => "is expressed in",
+            Self::World => "is expressed in the header's frame, not in",
+            Self::Backwards => "is reversed (-x, -y) in",
+            Self::RightHand => "has y to the right in",
+            Self::Swapped => "has x and y swapped in",
+            Self::Inverse => "orientation is inverted (child_from_header, or JPL)",
+            Self::PositionY => "position is mirrored (y negated)",
+            Self::PositionX => "position is mirrored (x negated)",
+            Self::PositionSwapped => "position is mirrored (x and y swapped)",
         }
     }
 
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Body | Self::World => {
-                "rotate it into the child frame before publishing: v_child = R(q)^T * v_header (nav_msgs/Odometry)"
+                "rotate the velocity into the child frame before publishing: v_child = R(q)^T * v_header (nav_msgs/Odometry)"
             }
-            Self::Backwards => "negate the velocity, or turn the base frame about z: x points forward (REP-103)",
+            Self::Backwards => {
+                "negate the velocity, or rotate the base frame by 180 deg about z: x points forward (REP-103)"
+            }
             Self::RightHand => "negate vy: y points to the left (REP-103)",
-            Self::Swapped => "change vx and vy: x points forward, y to the left (REP-103)",
+            Self::Swapped => "swap vx and vy: x points forward, y to the left (REP-103)",
             Self::Inverse => "conjugate the quaternion (negate x, y and z)",
             Self::PositionY => "negate y of the position",
             Self::PositionX => "negate x of the position",
-            Self::PositionSwapped => {
-                "change x and y of the position: of NED positions x is y, y is x, and z is negated"
-            }
+            Self::PositionSwapped => "swap x and y of the position; NED positions become ENU as (y, x, -z)",
         }
     }
 
@@ -118,7 +115,7 @@ impl Reading {
     }
 }
 
-/// What the twists of a stream say against its poses.
+/// The twists of a stream compared with its poses.
 #[derive(Debug)]
 pub(crate) struct Twists {
     /// Windows taken.
@@ -131,22 +128,22 @@ pub(crate) struct Twists {
     pub(crate) is_zero: bool,
     /// The part of the motion that is to the side of the child frame, by the velocity.
     pub(crate) aside: f64,
-    /// For each reading the part of the motion that it leaves unexplained (root of the ratio of squares), the best first.
+    /// Residual of each reading, the best first: the part of the motion that it does not explain (root of the ratio of squares).
     pub(crate) residuals: Vec<(Reading, f64)>,
-    /// What the velocity in the child frame has to be divided by to explain most, and the part that is unexplained then.
+    /// The divisor of the velocity in the child frame that explains most, and its residual.
     pub(crate) scale: (f64, f64),
-    /// The turning.
+    /// The yaw rate.
     pub(crate) turning: Turning,
 }
 
-/// The yaw rate against the turning of the pose.
+/// The yaw rate compared with the rotation of the pose.
 #[derive(Debug, Default)]
 pub(crate) struct Turning {
     /// Windows taken.
     pub(crate) windows: u64,
-    /// Turning of the pose about its z axis over the windows, without sign, radians.
+    /// Rotation of the pose about its z axis over the windows, without sign, radians.
     pub(crate) turned_rad: f64,
-    /// Integral of the yaw rate over the turning of the pose, by least squares.
+    /// Integral of the yaw rate over the rotation of the pose, by least squares.
     pub(crate) slope: f64,
     /// Their correlation.
     pub(crate) correlation: f64,
@@ -190,7 +187,7 @@ impl Twists {
             distance_m,
             is_upside_down: up < 0.0,
             is_zero,
-            // With y negated it is twice that from what it was.
+            // Negating y moves the prediction by twice the sideways part.
             aside: ratio(apart, squares).sqrt() / 2.0,
             residuals,
             scale: (
@@ -208,7 +205,7 @@ impl Twists {
         }
     }
 
-    /// The readings that the velocity can tell apart, the best first: what drives along x alone has no sign of y.
+    /// The readings that the velocity can distinguish, the best first: motion along x alone has no sign of y.
     pub(crate) fn told(&self, least_aside: f64) -> Vec<(Reading, f64)> {
         let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
         let of_twist = |(reading, _): &&(Reading, f64)| !reading.is_of_pose();
@@ -220,8 +217,8 @@ impl Twists {
             .collect()
     }
 
-    /// The readings of a wrong pose beside a right velocity, the best first. In a plane the inverse orientation is a mirror
-    /// image: the yaw rate tells whether the orientation turns as it should.
+    /// The readings of a wrong pose beside a right velocity, the best first. In a plane the inverse orientation looks like a mirrored
+    /// position: the sign of the yaw rate distinguishes them.
     pub(crate) fn told_of_pose(&self) -> Vec<(Reading, f64)> {
         let turns_back = self.turning.slope < 0.0;
         let fits = |(reading, _): &&(Reading, f64)| match reading {
@@ -231,7 +228,7 @@ impl Twists {
         self.residuals.iter().filter(fits).copied().collect()
     }
 
-    /// What a reading leaves unexplained.
+    /// Residual of a reading.
     pub(crate) fn residual(&self, reading: Reading) -> f64 {
         let found = self.residuals.iter().find(|(known, _)| *known == reading);
         found.map_or(f64::NAN, |(_, residual)| *residual)
@@ -240,11 +237,11 @@ impl Twists {
 
 /// The motion in one window.
 struct Moved {
-    /// Of the pose, metres, in the header's frame.
+    /// Of the pose in the header's frame, metres.
     shift: Vector3<f64>,
-    /// What each reading of the velocity predicts.
+    /// Prediction of each reading of the velocity.
     predicted: [Vector3<f64>; READINGS.len()],
-    /// Turning of the pose about its own z axis, radians.
+    /// Rotation of the pose about its own z axis, radians.
     turned: f64,
     /// Integral of the yaw rate, radians.
     rated: f64,
@@ -254,7 +251,7 @@ struct Moved {
 }
 
 impl Moved {
-    /// `None` where a number is not finite, or an orientation is none.
+    /// `None` if a number is not finite or an orientation is invalid.
     fn of(window: &[Timed<PoseRow>]) -> Option<Self> {
         let (first, last) = (window.first()?, window.last()?);
         let mut moved = Self {
@@ -287,7 +284,7 @@ impl Moved {
     }
 }
 
-/// The orientation of a row; `None` where it is none.
+/// The orientation of a row; `None` if it is invalid.
 fn orientation(row: &PoseRow) -> Option<UnitQuaternion<f64>> {
     let [x, y, z, w] = row.orientation;
     UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)
@@ -309,7 +306,7 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Correlation below which a yaw rate is another thing than the turning of the pose.
+    /// Correlation below which a yaw rate is unrelated to the rotation of the pose.
     pub(crate) fn max_correlation(&self) -> f64 {
         1.0 - self.max_residual
     }

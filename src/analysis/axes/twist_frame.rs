@@ -3,8 +3,8 @@
 use crate::analysis::motion::Stream;
 use crate::world::motion::PoseRow;
 
-/// A residual with y negated that is less than this part of that as defined is smaller by more than rounding: of a platform that
-/// never goes aside the two are the same.
+/// A residual with y negated below this part of the one as defined is smaller by more than rounding; without sideways motion the two
+/// are the same.
 pub(crate) const SIDE_BETTER: f64 = 0.95;
 
 pub(crate) fn has_twist(stream: &Stream<PoseRow>) -> bool {

@@ -1,4 +1,4 @@
-//! Where the acceleration points in the world, by the orientation.
+//! Direction of the acceleration, rotated into the world by the orientation.
 
 use serde::Deserialize;
 
@@ -26,14 +26,15 @@ pub(crate) struct Limits {
 pub(crate) struct Above {
     pub(crate) class: World,
     pub(crate) force: WorldForce,
-    /// The same by the other readings of the four numbers.
+    /// The same in the other quaternion conventions.
     pub(crate) others: Vec<WorldForce>,
     pub(crate) seconds: f64,
     pub(crate) rows: usize,
 }
 
 impl Above {
-    /// The one other reading of the four numbers by which the acceleration points up. Of a level body a rotation and its inverse do alike.
+    /// The one other quaternion convention in which the acceleration points up. For a level body, a rotation and its inverse are
+    /// equally good.
     pub(crate) fn read_otherwise(&self, limits: &Limits) -> Option<Reading> {
         let is_up = |mean: &&WorldForce| {
             mean.concentration >= limits.min_concentration && mean.from_up_rad.to_degrees() <= limits.max_tilt_deg
@@ -45,18 +46,18 @@ impl Above {
         }
     }
 
-    /// Angle between the acceleration and the world's up, radians; or why it says nothing.
+    /// Angle between the acceleration and the world's up, radians; or why there is none.
     pub(crate) fn off_up_rad(&self) -> Look<f64> {
         match self.class {
             World::Far => {
-                let why = "the acceleration points to no one place in the world".to_owned();
+                let why = "the acceleration has no steady direction in the world".to_owned();
                 Err((NotEvaluated::TooLittleEvidence, why))
             }
             _ => Ok(self.force.from_up_rad),
         }
     }
 
-    /// What it is a sign of.
+    /// The class that a diagnosis uses.
     pub(crate) fn sign(&self) -> Option<World> {
         match self.class {
             World::Far => None,
@@ -66,28 +67,31 @@ impl Above {
     }
 }
 
-/// Where the acceleration points in the world.
+/// Direction of the acceleration in the world.
 pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
     let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
     let Some(gravity) = &imu.inertial.gravity else {
-        return Err((NotEvaluated::NotApplicable, "it gives no acceleration".to_owned()));
+        return Err((
+            NotEvaluated::NotApplicable,
+            "its messages hold no acceleration (all zero)".to_owned(),
+        ));
     };
     let Some(force) = gravity.mean(Reading::Xyzw).copied() else {
-        return little("no orientation is one".to_owned());
+        return little("no orientation is a valid quaternion".to_owned());
     };
     if gravity.covered_s < limits.min_s || gravity.rows < limits.min_rows {
         return little(format!(
-            "{:.1} s and {} rows of orientation with acceleration, {} s and {} are needed",
+            "only {:.1} s and {} samples of orientation with acceleration, {} s and {} are needed",
             gravity.covered_s, gravity.rows, limits.min_s, limits.min_rows
         ));
     }
     let near = |unit: f64| (gravity.norm_m_s2 / unit - 1.0).abs() <= limits.gravity_share;
     if !near(limits.gravity) && !near(1.0) {
         return little(format!(
-            "the acceleration is {:.2} long as published, which is no gravity",
+            "the magnitude of the acceleration is {:.2} as published, which is not gravity",
             gravity.norm_m_s2
         ));
     }
@@ -106,12 +110,12 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
         World::Far
     } else if force.concentration >= limits.min_concentration {
         return little(format!(
-            "the acceleration points {degrees:.2} deg away from up in the mean, steadily to {:.3}: more than {} deg, and too little to be surely a fault",
+            "the mean acceleration is {degrees:.2} deg from up (concentration {:.3}): more than {} deg, but not clearly a fault",
             force.concentration, limits.max_tilt_deg
         ));
     } else {
         return little(format!(
-            "the acceleration points to no one place in the world: {degrees:.0} deg from up in the mean, concentration {:.3}",
+            "the acceleration has no steady direction in the world: {degrees:.0} deg from up on average, concentration {:.3}",
             force.concentration
         ));
     };

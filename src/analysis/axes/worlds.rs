@@ -1,6 +1,6 @@
-//! Where gravity and altitude say that up is, in the frames that poses are expressed in.
+//! Direction of up by gravity and by altitude, in the frames that poses are expressed in.
 //!
-//! Made once: what else looks wrong in a frame whose z does not point up is left to AXES14. Must not report.
+//! Made once: other rules leave frames whose z does not point up to AXES14. Must not report.
 
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -22,17 +22,17 @@ pub(crate) struct Gravity {
     pub(crate) up: Vector3<f64>,
     /// Length of the mean of the directions: 1 where all agree.
     pub(crate) concentration: f64,
-    /// Largest tilt of the body that the poses tell, radians.
+    /// Largest tilt of the body by the poses, radians.
     pub(crate) tilt_rad: f64,
-    /// How far the body leans from up on the whole, by the sensor and by the poses, radians.
+    /// Mean tilt of the body, by the sensor and by the poses, radians.
     pub(crate) leans_rad: [f64; 2],
     pub(crate) seconds: f64,
     pub(crate) rows: u64,
-    /// The sensor that feels it.
+    /// The sensor that measures it.
     pub(crate) sensor: String,
-    /// Whether the sensor is right in its base; `None` where it has none.
+    /// Whether the sensor is right in its base; `None` if it has none.
     pub(crate) sensor_is_right: Option<bool>,
-    /// Whether the pose turns with the sensor's gyro: the two mean the same axes of the body.
+    /// Whether the pose rotates with the sensor's gyro, so that both use the same axes of the body.
     pub(crate) turns_with: bool,
 }
 
@@ -42,7 +42,7 @@ impl Gravity {
     }
 }
 
-/// Heights by poses against altitudes.
+/// Heights by poses compared with altitudes.
 pub(crate) struct Heights {
     pub(crate) slope: f64,
     pub(crate) correlation: f64,
@@ -57,14 +57,14 @@ pub(crate) struct Frame {
     pub(crate) name: FrameId,
     pub(crate) stream: String,
     pub(crate) place: Place,
-    /// What its poses are expressed in, by its name or the configuration; here they are as ROS has them.
+    /// The declared convention of its poses; here they are converted to that of ROS.
     pub(crate) expressed_in: ExpressedIn,
     pub(crate) gravity: Look<Gravity>,
     pub(crate) heights: Look<Heights>,
 }
 
 impl Frame {
-    /// Whether z points elsewhere than up, so that x and y are no map: by gravity, with a sensor that is right, or by altitude.
+    /// Whether z does not point up, so that x and y are not horizontal: by gravity, with a correct sensor, or by altitude.
     pub(crate) fn is_off(&self, limits: &Limits) -> bool {
         let by_gravity = self
             .gravity
@@ -80,7 +80,7 @@ pub(crate) struct Worlds {
 }
 
 impl Worlds {
-    /// The frames of a world; looked at once.
+    /// The frames of a world; made once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         let motion = Motion::of(world);
         world.once(|world| Self {
@@ -93,7 +93,7 @@ impl Worlds {
         self.bags.iter().flatten().map(|(frame, _)| frame)
     }
 
-    /// Whether z of a frame of the recording with this number points elsewhere than up.
+    /// Whether z of a frame in the recording with this number does not point up.
     pub(crate) fn is_off(&self, bag: usize, frame: Option<&FrameId>) -> bool {
         let known = self.bags.get(bag).into_iter().flatten();
         known
@@ -116,9 +116,9 @@ fn frames(world: &Estimates, bag: &BagMotion) -> Vec<(Frame, bool)> {
         {
             continue;
         }
-        // The first stream that tells speaks for its frame.
-        let is_told = |known: &Frame| known.name == frame && (known.gravity.is_ok() || known.heights.is_ok());
-        if found.iter().any(is_told) {
+        // The first stream with enough evidence decides for its frame.
+        let is_known = |known: &Frame| known.name == frame && (known.gravity.is_ok() || known.heights.is_ok());
+        if found.iter().any(is_known) {
             continue;
         }
         let turned = OnceCell::new();
@@ -127,10 +127,10 @@ fn frames(world: &Estimates, bag: &BagMotion) -> Vec<(Frame, bool)> {
             bag.imus
                 .iter()
                 .map(|imu| gravity(world, stream, &turned, imu, &sign, &limits)),
-            || "no inertial sensor shows where gravity points".to_owned(),
+            || "no inertial sensor: gravity is not measured".to_owned(),
         );
         let heights = first(bag.fixes.iter().map(|fixes| heights(stream, fixes, &limits)), || {
-            "no satellite fixes show the altitude".to_owned()
+            "no GNSS fixes: the altitude is not measured".to_owned()
         });
         let next = Frame {
             stream: stream.subject.clone(),
@@ -153,7 +153,7 @@ fn frames(world: &Estimates, bag: &BagMotion) -> Vec<(Frame, bool)> {
     found.into_iter().map(with_sense).collect()
 }
 
-/// Whether z of a frame ought to be up: not of those that are tied to the Earth's axis.
+/// Whether z of a frame should point up: not for Earth-fixed frames.
 fn is_level(frame: &FrameId) -> bool {
     names::is_world(frame) && !frame.has_token("earth") && !frame.has_token("ecef")
 }
@@ -171,7 +171,7 @@ fn first<T>(looks: impl Iterator<Item = Look<T>>, none: impl Fn() -> String) -> 
     Err(why.unwrap_or_else(|| (NotEvaluated::MissingInput, none())))
 }
 
-/// The specific force of a sensor that is tied to what moves, turned into the frame.
+/// The specific force of a sensor on the moving body, rotated into the frame.
 fn gravity<'t>(
     world: &World,
     stream: &Stream<PoseRow>,
@@ -183,7 +183,7 @@ fn gravity<'t>(
     let missing = |why: String| Err((NotEvaluated::MissingInput, why));
     let (Some(child), Some(sensor)) = (&stream.child, &imu.stream.frame) else {
         return missing(format!(
-            "{} or {} does not say what it is of",
+            "{} or {} does not name its body frame",
             stream.subject, imu.stream.subject
         ));
     };
@@ -191,14 +191,18 @@ fn gravity<'t>(
     let child_from_imu = match chain {
         _ if child == sensor => UnitQuaternion::identity(),
         Some((child_from_imu, _)) => child_from_imu.rotation,
-        None => return missing(format!("nothing ties `{sensor}` to `{child}`")),
+        None => {
+            return missing(format!(
+                "`{sensor}` is not tied to `{child}`: add a URDF or record `/tf_static`"
+            ));
+        }
     };
     let turned = turned();
     let sensor_is_right = base_up::look(imu, sign).ok().map(|up| up.class == Base::Up);
     let turns_with = turns_with(turned, imu, &child_from_imu, limits.max_step_s);
     if sensor_is_right != Some(false) && turns_with == Some(false) {
         let why = format!(
-            "{} turns against the gyro of {}: one of the two tells `{child}` in other axes, so its gravity says nothing of the frame",
+            "{} rotates opposite to the gyro of {}: they use different axes of `{child}`, so gravity cannot verify the frame",
             stream.subject, imu.stream.subject
         );
         return Err((NotEvaluated::NotApplicable, why));
@@ -230,14 +234,14 @@ fn gravity<'t>(
     let concentration = sum.norm() / lengths.iter().sum::<f64>().max(1e-9);
     if seconds < limits.min_s || count < limits.min_rows || !is_gravity {
         let why = format!(
-            "{seconds:.1} s and {count} rows of {} with a pose, {length:.2} long in the median; {} s, {} and gravity are needed",
+            "only {seconds:.1} s and {count} samples of {} with a pose, median magnitude {length:.2}; {} s, {} and gravity are needed",
             imu.stream.subject, limits.min_s, limits.min_rows
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
     if concentration < limits.min_concentration {
         let why = format!(
-            "gravity by {} points to no one place in it (agreement {concentration:.2})",
+            "gravity by {} has no steady direction in it (agreement {concentration:.2})",
             imu.stream.subject
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
@@ -255,7 +259,7 @@ fn gravity<'t>(
     })
 }
 
-/// Heights against altitudes at the times of fixes.
+/// Heights compared with altitudes at the times of fixes.
 fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) -> Look<Heights> {
     let (poses, satellites) = (stream.track(), fixes.track());
     let (points, mut at) = (satellites.stretches.iter().flatten(), poses.follow());
@@ -273,10 +277,10 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
     let needed_m = limits.min_rms_m.max(limits.sigmas * median(&sigmas).unwrap_or(0.0));
     let correlation = az / (aa * zz).sqrt();
     let slope = az / aa;
-    let is_told = rms_m[1] >= limits.min_rms_m && rms_m[0] >= needed_m && correlation.abs() >= limits.min_correlation;
-    if !is_told || both.len() < limits.min_points {
+    let is_enough = rms_m[1] >= limits.min_rms_m && rms_m[0] >= needed_m && correlation.abs() >= limits.min_correlation;
+    if !is_enough || both.len() < limits.min_points {
         let why = format!(
-            "the altitude on {} moves by {:.1} m and z by {:.1} m (rms of {} points, correlation {:.2}); {needed_m:.1} m and {} are needed",
+            "the altitude on {} changes by only {:.1} m and z by {:.1} m (rms of {} points, correlation {:.2}); {needed_m:.1} m and {} are needed",
             fixes.topic,
             rms_m[0],
             rms_m[1],
@@ -288,7 +292,7 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
     }
     if !(1.0 / limits.max_slope..=limits.max_slope).contains(&slope.abs()) {
         let why = format!(
-            "z moves {slope:.1} times as far as the altitude on {}: what moves it is something else, a tilt or a drift",
+            "z changes {slope:.1} times as much as the altitude on {}: a tilt or a drift",
             fixes.topic
         );
         return Err((NotEvaluated::TooLittleEvidence, why));

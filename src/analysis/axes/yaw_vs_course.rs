@@ -1,4 +1,4 @@
-//! Whether the yaw of an orientation turns with the course, and what it is more than it.
+//! Whether the yaw of an orientation turns with the course, and its offset from the course.
 
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ impl Decided {
     }
 
     pub(crate) fn plot(&self, topic: &str) -> Plot {
-        let title = format!("Yaw of `{topic}` against the course of {}", self.track);
+        let title = format!("Yaw of `{topic}` over the course of {}", self.track);
         plots::yaw(title, &self.heading, self.is_geodetic)
     }
 
@@ -58,31 +58,34 @@ impl Decided {
         Measured::new("offset", self.heading.offset_rad.to_degrees(), "deg").samples(self.heading.samples as u64)
     }
 
-    /// Yaw minus course, radians; or why it says nothing of east.
+    /// Yaw minus course, radians; or why it is unknown.
     pub(crate) fn offset_rad(&self) -> Look<f64> {
         if self.is_geodetic {
             Ok(self.heading.offset_rad)
         } else {
-            let why = format!("{} does not know where east is", self.track);
+            let why = format!(
+                "{} does not know east; record GNSS fixes to judge the zero of the yaw",
+                self.track
+            );
             Err((NotEvaluated::MissingInput, why))
         }
     }
 
-    /// Yaw minus course, degrees, where it is steady, and too large for a mounting.
+    /// Yaw minus course, degrees, if it is steady and too large for a mounting error.
     pub(crate) fn large_offset_deg(&self, limits: &Limits) -> Option<f64> {
         let is_steady = self.heading.offset_resultant >= limits.min_resultant;
         let offset = self.offset_rad().ok()?.to_degrees();
         (is_steady && offset.abs() > limits.max_offset_deg).then_some(offset)
     }
 
-    /// Whether an offset is a quarter turn to either side, steadily so in all directions.
+    /// Whether an offset is 90 degrees to either side, in all directions.
     pub(crate) fn is_a_quarter_turn(&self, offset_deg: f64, limits: &Limits) -> bool {
         (offset_deg.abs() - 90.0).abs() <= limits.quarter_deg
             && self.heading.offset_spread_deg() <= limits.quarter_spread_deg
             && self.heading.widest_gap_deg() <= limits.max_gap_deg
     }
 
-    /// What the driver's profile says of a large offset.
+    /// The entry of the driver's profile for a large offset.
     pub(crate) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<Offset> {
         let offset = self
             .large_offset_deg(limits)
@@ -92,7 +95,7 @@ impl Decided {
     }
 }
 
-/// Whether z of what the sensor is mounted on points up by its orientation, all in all.
+/// Whether z of the body that the sensor is mounted on points up on average, by its orientation.
 pub(crate) fn is_upright(imu: &Imu) -> bool {
     let imu_from_base = imu.base_from_imu().inverse();
     let ups = imu.stream.rows().filter_map(|timed| {
@@ -108,7 +111,7 @@ pub(crate) fn apart_deg(a: f64, b: f64) -> f64 {
     ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
 }
 
-/// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
+/// Sense of the yaw, by the first track with enough turns. GNSS comes first: odometry often uses this very yaw.
 pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<Decided> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
@@ -134,14 +137,14 @@ pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
     Err((NotEvaluated::TooLittleEvidence, undecided(&undecided_by, limits)))
 }
 
-/// Why no track decided: what the best of them lacked.
+/// Why no track decided.
 pub(crate) fn undecided(headings: &[Heading], limits: &Limits) -> String {
     let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
     let windows: usize = headings.iter().map(|heading| heading.windows).sum();
     if windows == 0 && widest.to_degrees() >= limits.min_turn_deg {
         let longest = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
         return format!(
-            "the course turns by {:.0} deg within {} s, and goes {longest:.1} m at most in such a turn; {} m are needed",
+            "the course turns by {:.0} deg within {} s, but covers only {longest:.1} m in such a turn, {} m are needed",
             widest.to_degrees(),
             limits.window_s,
             limits.min_way_m
@@ -149,7 +152,7 @@ pub(crate) fn undecided(headings: &[Heading], limits: &Limits) -> String {
     }
     if windows == 0 {
         return format!(
-            "the course turns by {:.0} deg at most while both are there and it moves, {} deg within {} s are needed",
+            "the course turns by only {:.0} deg while both are recorded and it moves, {} deg within {} s are needed",
             widest.to_degrees(),
             limits.min_turn_deg,
             limits.window_s
@@ -162,12 +165,12 @@ pub(crate) fn undecided(headings: &[Heading], limits: &Limits) -> String {
     let longest = headings.iter().map(Heading::span_s).fold(0.0, f64::max);
     if longest > 0.0 && longest < limits.min_span_s {
         return format!(
-            "{longest:.1} s of a turn, {} s are needed: a gust or a slip lasts as long",
+            "only {longest:.1} s of turns, {} s are needed to rule out wind or slip",
             limits.min_span_s
         );
     }
     format!(
-        "the yaw follows the course clearly neither way: of {windows} windows with a turn {left} say counter-clockwise, {right} \
+        "the yaw follows the course in neither sense clearly: of {windows} windows with a turn, {left} are counter-clockwise and {right} \
          clockwise"
     )
 }

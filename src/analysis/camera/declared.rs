@@ -4,7 +4,7 @@ use globset::Glob;
 
 use crate::world::{World, bag::TopicEvidence, projection::Projection};
 
-/// What reports call a declaration.
+/// The name of a declaration in reports.
 pub(crate) fn name(world: &World, projection: &Projection) -> String {
     let path = world.path(projection.place.source);
     if projection.label.is_empty() {

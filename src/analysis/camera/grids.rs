@@ -1,4 +1,4 @@
-//! What is wrong with a grid seen from above: by itself, and against the messages that carry it. Must not judge.
+//! Faults of a bird's-eye grid: of its declaration alone, and compared with its messages. Must not judge.
 
 use serde::Deserialize;
 
@@ -14,15 +14,15 @@ fn resolution(resolution_m: f64, limits: &Limits) -> Option<Fault> {
     (!is_sound || resolution_m > limits.max_resolution_m).then(|| {
         let fault = Fault::new(
             "resolution",
-            format!("a cell is {resolution_m} m wide"),
-            "the resolution is the side of a cell in metres: not cells per metre, and no pixels",
+            format!("the cells of the grid are {resolution_m} m wide"),
+            "write the side of a cell in metres, not cells per metre or pixels",
             Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m),
         );
         if is_sound { fault } else { fault.error() }
     })
 }
 
-/// What is wrong with a grid as it was sent, and how far it leans, degrees.
+/// The faults of a grid message, and its tilt, degrees.
 pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
     let [x, y, z, w] = grid.orientation;
     let norm = (x * x + y * y + z * z + w * w).sqrt();
@@ -37,21 +37,19 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
         faults.push(
             Fault::new(
                 "origin",
-                format!(
-                    "the origin of the grid is no pose: its quaternion has the norm {norm:.3}, its position is {:?}",
-                    grid.position
-                ),
-                "fill the whole pose; a quaternion of zeros is none, w = 1 is the identity",
+                format!("the origin of the grid is no valid pose: its quaternion has norm {norm:.3}"),
+                "fill in the whole pose; w = 1 is the identity, a quaternion of zeros is invalid",
                 Measured::new("norm of the origin's quaternion", norm, "1").limit(1.0),
             )
+            .detail(format!("Its position is {:?}.", grid.position))
             .error(),
         );
     } else if tilt_deg > limits.max_tilt_deg {
         faults.push(Fault::new(
             "tilted",
-            format!("the grid leans by {tilt_deg:.1} deg in its frame: readers take its origin as x, y and yaw alone"),
-            "give the origin a yaw only, and tilt the frame",
-            Measured::new("lean of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
+            format!("the grid is tilted by {tilt_deg:.1} deg in its frame, but readers use x, y and yaw only"),
+            "set only the yaw of the origin, and tilt the frame instead",
+            Measured::new("tilt of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
         ));
     }
     if let Some(data) = grid.data
@@ -61,11 +59,11 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
             Fault::new(
                 "size",
                 format!(
-                    "the grid says {} x {} cells, and {data} follow",
+                    "the grid states {} x {} cells, but has {data}",
                     grid.cells[0], grid.cells[1]
                 ),
-                "width and height are counts of cells; the data are row by row, along x first",
-                Measured::new("cells that follow", data as f64, "count").limit(count),
+                "set width and height to the counts of cells; the data are row by row, along x first",
+                Measured::new("cells of the data", data as f64, "count").limit(count),
             )
             .error(),
         );
@@ -73,7 +71,7 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
     (faults, tilt_deg)
 }
 
-/// What is wrong with a declaration by itself.
+/// The faults of a declaration alone.
 pub(crate) fn of_declaration(projection: &Projection, grid: &Grid, limits: &Limits) -> Vec<Fault> {
     let of_cells = grid.resolution_m.and_then(|m| resolution(m, limits));
     let all = [
@@ -86,7 +84,7 @@ pub(crate) fn of_declaration(projection: &Projection, grid: &Grid, limits: &Limi
     all.into_iter().flatten().collect()
 }
 
-/// What a declaration leaves open.
+/// The missing parts of a declaration.
 fn missing(projection: &Projection, grid: &Grid) -> Option<Fault> {
     let is_ours = projection.format == "frames-lint";
     let parts = [
@@ -106,8 +104,8 @@ fn missing(projection: &Projection, grid: &Grid) -> Option<Fault> {
     (!left.is_empty()).then(|| {
         Fault::new(
             "incomplete",
-            format!("the grid does not say its {}: every reader guesses", left.join(", ")),
-            "say all of it: frame, resolution, origin, what of a cell lies there, where columns and rows go, whether motion is taken out",
+            format!("the declaration of the grid lacks: {}", left.join(", ")),
+            "declare frame, resolution, origin, cell (centre or corner), columns, rows and ego_motion",
             Measured::count("parts that are not declared", left.len()).limit(0.0),
         )
     })
@@ -122,8 +120,8 @@ fn origin(projection: &Projection, grid: &Grid) -> Option<Fault> {
     {
         let fault = Fault::new(
             "origin",
-            format!("the origin is {:?}: it is x, y and yaw", grid.origin),
-            "give x and y of the lower left cell in metres, and the yaw in radians",
+            format!("the origin of the grid is {:?}, not x, y and yaw", grid.origin),
+            "write x and y of the lower left cell in metres, and the yaw in radians",
             Measured::count("numbers of the origin", grid.origin.len()).limit(3.0),
         );
         return Some(fault.error());
@@ -131,8 +129,8 @@ fn origin(projection: &Projection, grid: &Grid) -> Option<Fault> {
     (most > std::f64::consts::TAU).then(|| {
         Fault::new(
             "degrees",
-            format!("the yaw of the origin is {most}: radians are meant, and these look like degrees"),
-            "multiply it by pi / 180; the third number is no z",
+            format!("the yaw of the grid's origin is {most}: probably degrees, but radians are required"),
+            "multiply it by pi / 180; the third number is the yaw, not z",
             Measured::new("yaw of the origin", most, "1").limit(std::f64::consts::TAU),
         )
     })
@@ -146,14 +144,14 @@ fn thresholds(grid: &Grid) -> Option<Fault> {
     (!is_sound).then(|| {
         Fault::new(
             "thresholds",
-            format!("a cell is free up to {free} and occupied from {occupied} on: both are shares of 1, the first the smaller"),
-            "shares from 0 to 1: free_thresh 0.196 and occupied_thresh 0.65 are map_saver's",
+            format!("the thresholds of the map are invalid: free below {free}, occupied above {occupied}"),
+            "write shares from 0 to 1 with free_thresh below occupied_thresh; map_saver writes 0.196 and 0.65",
             Measured::new("occupied less free", occupied - free, "1").limit(0.0),
         )
     })
 }
 
-/// The declared map of cells to metres against the other words.
+/// The declared map of cells to metres compared with the other parts of the declaration.
 fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
     let [a, b, c, d, e, f] = *grid.affine.as_slice() else {
         return None;
@@ -172,17 +170,15 @@ fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
             let (relation, what) = if along(column, rows) && along(row, columns) {
                 ("swapped", "columns and rows are exchanged")
             } else if turn * declared < 0.0 {
-                ("mirrored", "the determinant has the other sign: it is a mirror image")
+                ("mirrored", "it is mirrored")
             } else {
-                ("turned", "it is turned by a quarter or a half")
+                ("turned", "it is rotated by 90 or 180 deg")
             };
             return Some(
                 Fault::new(
                     relation,
-                    format!(
-                        "the map of cells to metres goes another way than columns and rows are declared to: {what}"
-                    ),
-                    "one of the two is right: rows of arrays grow with y, rows of pictures down",
+                    format!("the map of cells to metres contradicts the declared columns and rows: {what}"),
+                    "correct one of the two: rows of arrays grow with y, rows of images downwards",
                     determinant.limit(declared),
                 )
                 .error(),
@@ -198,10 +194,8 @@ fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
             return Some(
                 Fault::new(
                     "resolution",
-                    format!(
-                        "the map of cells to metres makes a cell {side} m wide, and the resolution is {resolution_m} m"
-                    ),
-                    "one of the two is wrong",
+                    format!("the map of cells to metres has cells of {side} m, but the resolution is {resolution_m} m"),
+                    "correct one of the two",
                     Measured::new("side of a cell", side, "m").limit(resolution_m),
                 )
                 .error(),
@@ -214,21 +208,22 @@ fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
             if largest > 0.01 {
                 let is_half = off.iter().all(|off| (off.abs() - 0.5).abs() < 0.01);
                 let word = if cell == Cell::Corner { "corner" } else { "centre" };
-                return Some(Fault::new(
+                let fault = Fault::new(
                     if is_half { "half-cell" } else { "origin" },
-                    format!(
-                        "the map of cells to metres puts the first cell at {c}, {f}, and the origin, its {word}, is at {x}, {y}: {largest:.2} cells aside"
-                    ),
-                    "origin and map mean the same point of a cell, its centre or its corner",
-                    Measured::new("cells aside", largest, "1").limit(0.01),
-                ));
+                    format!("the origin of the grid is {largest:.2} cells off its map of cells to metres"),
+                    "let origin and map mean the same point of a cell, its centre or its corner",
+                    Measured::new("offset in cells", largest, "1").limit(0.01),
+                );
+                return Some(fault.detail(format!(
+                    "The map puts the {word} of the first cell at {c}, {f}; the origin is {x}, {y}."
+                )));
             }
         }
     }
     None
 }
 
-/// The grids that were sent: the place of one, and what differs.
+/// The grid messages: the place of one, and its difference.
 pub(crate) fn against_messages(
     world: &World,
     projection: &Projection,
@@ -240,7 +235,7 @@ pub(crate) fn against_messages(
         .iter()
         .flat_map(|bag| bag.topics.values().map(move |topic| (bag, topic)));
     let is_grid = |topic: &TopicEvidence| topic.message_type.ends_with("/OccupancyGrid");
-    // A map's file is of the map; cost maps have sizes of their own.
+    // A map file is about the map; cost maps have their own sizes.
     let is_map = |topic: &TopicEvidence| {
         projection.topic.is_some() || topic.topic.ends_with("map") && !topic.topic.contains("costmap")
     };
@@ -265,7 +260,7 @@ pub(crate) fn against_messages(
         .into_iter()
         .map(|(place, sent, frame)| (place, differs(grid, sent, frame, limits)))
         .collect();
-    // Of several grids, one that it is.
+    // Of several grids, one that matches.
     let fits = faults.iter().position(|(_, fault)| fault.is_none());
     faults.into_iter().nth(fits.unwrap_or(0))
 }
@@ -274,8 +269,8 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     if let Some(frame) = frame {
         return Some(Fault::new(
             "frame",
-            format!("the grid is declared in `{frame}`, and is sent in another frame"),
-            "declare the frame of its header",
+            format!("the grid is declared in `{frame}`, but sent in another frame"),
+            "declare the frame of the message header",
             Measured::count("frames that differ", 1).limit(0.0),
         ));
     }
@@ -285,9 +280,13 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
         return Some(
             Fault::new(
                 "mirrored",
-                "the cells of an OccupancyGrid go along x first, and its rows along y: columns and rows are declared otherwise".to_owned(),
-                "declare columns +x and rows +y; a picture of it with row 0 on top is turned over",
-                Measured::count("axes that differ", usize::from(columns != Axis::PlusX) + usize::from(rows != Axis::PlusY)).limit(0.0),
+                "the declared columns and rows are not those of an OccupancyGrid (columns +x, rows +y)".to_owned(),
+                "declare columns +x and rows +y; an image of it with row 0 at the top is flipped",
+                Measured::count(
+                    "axes that differ",
+                    usize::from(columns != Axis::PlusX) + usize::from(rows != Axis::PlusY),
+                )
+                .limit(0.0),
             )
             .error(),
         );
@@ -297,10 +296,10 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
         return Some(Fault::new(
             "resolution",
             format!(
-                "a cell is declared {resolution_m} m wide, and is sent {} m wide",
+                "the cells are declared as {resolution_m} m wide, but sent as {} m",
                 sent.resolution_m
             ),
-            "one of the two is of another map, or another version of it",
+            "use the declaration that belongs to this map: one of the two is of another map or version",
             Measured::new("resolution as sent", sent.resolution_m, "m").limit(resolution_m),
         ));
     }
@@ -318,33 +317,36 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     let near = |value: f64, wanted: f64| (value - wanted).abs() <= 0.02 * wanted.abs().max(1.0);
     let [_, height] = sent.cells;
     let (relation, what) = if largest <= 0.01 {
-        ("yaw", "the yaw is another one")
+        ("yaw", "The yaws differ.")
     } else if near(off[0].abs(), 0.5) && near(off[1].abs(), 0.5) {
         (
             "half-cell",
-            "half a cell: one is the corner of the first cell, the other its centre",
+            "One is the corner of the first cell, the other its centre.",
         )
     } else if near(off[0], 0.0) && near(off[1].abs(), height) {
         (
             "upper-left",
-            "the whole height: one is the upper left corner, the other the lower left one",
+            "One is the upper left corner, the other the lower left one.",
         )
     } else if near(sent.position[0], *y) && near(sent.position[1], *x) {
-        ("swapped", "x and y are exchanged")
+        ("swapped", "x and y are exchanged.")
     } else {
-        ("origin", "of another map, or another version of it")
+        ("origin", "One of the two is probably of another map or version.")
     };
-    Some(Fault::new(
+    let fault = Fault::new(
         relation,
         format!(
-            "the origin is declared at {x}, {y}, and is sent at {}, {}: {largest:.2} cells and {:.2} deg aside; {what}",
-            sent.position[0],
-            sent.position[1],
+            "the declared origin of the grid is {largest:.2} cells and {:.2} deg off the one that is sent",
             off_yaw.to_degrees()
         ),
-        "the origin of a map is the lower left corner of its first cell, x, y and yaw, in the map's frame",
-        Measured::new("cells aside", largest, "1").limit(0.01),
-    ))
+        "declare the lower left corner of the first cell as x, y and yaw in the map's frame",
+        Measured::new("offset in cells", largest, "1").limit(0.01),
+    );
+    let detail = format!(
+        "Declared at {x}, {y}, sent at {}, {}. {what}",
+        sent.position[0], sent.position[1]
+    );
+    Some(fault.detail(detail))
 }
 
 #[derive(Debug, Deserialize)]

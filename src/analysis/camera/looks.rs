@@ -1,4 +1,4 @@
-//! What a lidar shows of one camera: which of its readings of a mounting can be. Must not report.
+//! What a lidar shows of one camera: whether its mounting transform is possible, and which error explains it. Must not report.
 
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
@@ -10,15 +10,15 @@ use crate::analysis::{Estimates, lidar::Clouds, motion::mount::mount, names};
 use crate::verdict::NotEvaluated;
 use crate::world::FrameId;
 
-/// Why nothing can be said.
+/// Why it is not evaluated.
 pub(crate) type Why = (NotEvaluated, String);
 
-/// What is wrong with a camera's frame, by what the lidar sees.
+/// A fault of a camera's frame, by what the lidar sees.
 #[derive(Clone, Debug)]
 pub(crate) enum Fault {
     UpsideDown,
     Under,
-    /// The mistakes that explain it alike, the first by its name.
+    /// The errors that explain it equally well, the first one is named; and the share of points without it.
     Mistaken(Vec<Mistake>, f64),
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Shown {
     pub(crate) attitude: Attitude,
     pub(crate) base: FrameId,
     pub(crate) topic: String,
-    /// Share of the points in the image, and the largest of a camera at its place that looks level.
+    /// Share of the points in the image, and the largest share of a level camera at its position.
     pub(crate) share: f64,
     pub(crate) most: f64,
     pub(crate) points: usize,
@@ -48,13 +48,14 @@ pub(crate) fn look(
     if camera.is_uncalibrated() {
         return Err(not_applicable("K is all zeros: the camera is not calibrated"));
     }
-    let image = Image::of(camera.calibration)
-        .ok_or_else(|| not_applicable("its size, K, model or coefficients cannot be used"))?;
+    let image = Image::of(camera.calibration).ok_or_else(|| {
+        not_applicable("its size, K, distortion model or coefficients are not usable (CAMERA02, CAMERA03)")
+    })?;
     if crate::analysis::name::optical::reports(world, frame) {
-        return Err(not_applicable("its axes are not the optical ones of its camera"));
+        return Err(not_applicable("its axes are not optical (NAME06)"));
     }
     if crate::analysis::name::image_frame::reports(world, camera.bag, frame) {
-        return Err(not_applicable("it is no optical frame"));
+        return Err(not_applicable("it is not an optical frame"));
     }
     let lidars: Vec<Clouds> = Clouds::all(world)
         .filter(|clouds| clouds.bag.source == camera.bag.source && clouds.is_of_a_lidar())
@@ -62,7 +63,7 @@ pub(crate) fn look(
     if lidars.is_empty() {
         return Err((
             NotEvaluated::MissingInput,
-            "no clouds of a lidar are beside it".to_owned(),
+            "the recording has no clouds of a lidar: record them too".to_owned(),
         ));
     }
     let mut seen: Vec<Result<Shown, Why>> = lidars
@@ -91,11 +92,11 @@ fn by_lidar(
     let lidar = clouds.frame().ok_or_else(|| {
         (
             NotEvaluated::MissingInput,
-            format!("the clouds on `{topic}` name no frame"),
+            format!("the clouds on `{topic}` have no frame_id"),
         )
     })?;
     let Some((lidar_from_camera, _)) = world.graph().chain(&lidar, frame, |edge| edge.is_rigid) else {
-        let why = format!("no rigid chain of transforms ties `{frame}` to `{lidar}` of `{topic}`");
+        let why = format!("no rigid chain of transforms connects `{frame}` and `{lidar}` of `{topic}`");
         return Err((NotEvaluated::MissingInput, why));
     };
     let up = world.limits::<crate::analysis::ground::Limits>();
@@ -115,17 +116,17 @@ fn by_lidar(
     };
     let told = base_from_lidar * lidar_from_camera;
     let scene = Scene::new(world, clouds, &base_from_lidar, &of_side, [limits.near_m, limits.far_m])
-        .ok_or_else(|| little("the grounds of its clouds have no one direction".to_owned()))?;
+        .ok_or_else(|| little("the ground planes of its clouds have no common direction".to_owned()))?;
     let lean_deg = scene.up.angle(&Vector3::z()).to_degrees();
     if base != lidar && lean_deg > limits.max_lean_deg {
         let why = format!(
-            "the ground on `{topic}` does not lie under `{base}` but {lean_deg:.0} deg aside: the lidar's mounting is in doubt"
+            "the ground on `{topic}` is tilted by {lean_deg:.0} deg in `{base}`: the lidar's mounting is probably wrong"
         );
         return Err((NotEvaluated::NotApplicable, why));
     }
     if scene.points() < limits.min_points {
         return Err(little(format!(
-            "{} points of `{topic}` lie between {} and {} m; {} are needed",
+            "{} points of `{topic}` are between {} and {} m; {} are needed",
             scene.points(),
             limits.near_m,
             limits.far_m,
@@ -135,7 +136,7 @@ fn by_lidar(
     let (share, most) = (scene.share(image, &told), scene.most(image, &told));
     if most < limits.min_most {
         return Err(little(format!(
-            "a camera there would have {:.1} % of the points of `{topic}` in its image at most, whichever way it looks level",
+            "a level camera at this position sees at most {:.1} % of the points of `{topic}`, in any direction",
             100.0 * most
         )));
     }
@@ -161,7 +162,7 @@ fn by_lidar(
     })
 }
 
-/// A camera and what it is judged by.
+/// A camera and the data that it is judged by.
 struct Camera<'a> {
     world: &'a Estimates<'a>,
     frame: &'a FrameId,
@@ -185,7 +186,7 @@ impl Camera<'_> {
                 || crate::analysis::name::optical::is_turned_from_its_link(self.world, self.frame)
             {
                 let why = format!(
-                    "it looks {looks}, as its name or its own link has it: {:.1} % of the points lie in its image",
+                    "it looks {looks}, as its name or its own link states: {:.1} % of the points are in its image",
                     100.0 * share
                 );
                 return little(why);
@@ -193,7 +194,7 @@ impl Camera<'_> {
             return match self.mistakes() {
                 found if is_blind && !found.is_empty() => Ok(Some(self.mistaken(found))),
                 _ => little(format!(
-                    "it looks {looks}, where `{topic}` has {:.1} % of its points: nothing tells whether it does so on purpose",
+                    "it looks {looks}, where `{topic}` has {:.1} % of its points: this may be intended",
                     100.0 * share
                 )),
             };
@@ -205,7 +206,7 @@ impl Camera<'_> {
             return match self.mistakes() {
                 found if !found.is_empty() => Ok(Some(self.mistaken(found))),
                 _ => little(format!(
-                    "it lies on its side ({:.0} deg), as cameras do that are mounted upright",
+                    "its roll is {:.0} deg, as for cameras that are mounted in portrait orientation",
                     attitude.roll_deg
                 )),
             };
@@ -219,7 +220,7 @@ impl Camera<'_> {
                 return Ok(Some(self.mistaken(vec![Mistake::Reversed])));
             }
             return little(format!(
-                "it is upright, and looks where `{topic}` has {:.1} % of its points: there the lidar sees nothing",
+                "it is upright, and looks where `{topic}` has {:.1} % of its points: the lidar sees nothing there",
                 100.0 * share
             ));
         }
@@ -232,20 +233,20 @@ impl Camera<'_> {
         Fault::Mistaken(found, share)
     }
 
-    /// The mistakes that would explain the mounting. Which way a camera looks, only names tell.
+    /// The errors that would explain the mounting. The direction of a camera is known from names only.
     fn mistakes(&self) -> Vec<Mistake> {
         let explains = |mistake: &Mistake| *mistake != Mistake::Reversed && self.fits(*mistake);
         Mistake::ALL.into_iter().filter(explains).collect()
     }
 
-    /// Whether the mounting without a mistake is one that cameras have: upright, over the ground, on the vehicle, with points in view.
+    /// Whether the corrected mounting is plausible: upright, above the ground, on the vehicle, with points in view.
     fn fits(&self, mistake: Mistake) -> bool {
         let limits = self.limits;
         let corrected = mistake.corrected(&self.told);
         let attitude = self.scene.attitude(&corrected);
         let looks = corrected.rotation * Vector3::z();
-        // Turned by a quarter about its view or about the vertical any camera becomes another upright one: what is told must be impossible, or
-        // what is fixed must look where cameras look.
+        // Rotated by 90 deg about its view or about the vertical any camera becomes another upright one: the stated mounting must be
+        // impossible, or the corrected one must look where cameras look.
         let is_expected = match looks_against_its_name(self.frame, &looks) {
             Ways::Fit => true,
             Ways::Against => false,

@@ -1,4 +1,4 @@
-//! Rules of cameras.
+//! Calibrations of cameras, of recordings and files.
 
 use nalgebra::Vector3;
 
@@ -35,19 +35,19 @@ pub(crate) const VERTICAL: &[&str] = &[
 pub(crate) const AHEAD: &[&str] = &["front", "forward"];
 pub(crate) const BACK: &[&str] = &["rear", "back", "backward", "backwards"];
 
-/// What a camera's name says of the way it looks.
+/// What a camera's name says about its direction of view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ways {
-    /// That it looks so.
+    /// It agrees.
     Fit,
-    /// That it looks the other way.
+    /// It contradicts.
     Against,
-    /// Nothing that decides.
+    /// It says nothing decisive.
     Unnamed,
 }
 
-/// What a camera's name says of a direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it is
-/// against it, within 60 of its name it fits. Of a pair, `left` and `right` say where a camera is, and are never against it.
+/// Compares a camera's name with its direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it
+/// contradicts, within 60 degrees of its name it agrees. `left` and `right` may mean the position in a pair, and never contradict.
 pub(crate) fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> Ways {
     let named = match (names::has_word(frame, AHEAD), names::has_word(frame, BACK)) {
         (true, false) => looks.x,
@@ -72,7 +72,7 @@ pub(crate) struct Intrinsics<'w> {
     pub(crate) calibration: &'w CameraModel,
     pub(crate) place: Place,
     pub(crate) subject: String,
-    /// Whose it is, behind a letter: `on `/camera_info``.
+    /// Whose it is, behind a letter: on a topic, or of a file's camera.
     pub(crate) whose: String,
 }
 
@@ -152,7 +152,7 @@ impl<'w> Published<'w> {
         })
     }
 
-    /// What reports call it.
+    /// Its name in reports.
     pub(crate) fn subject(&self) -> String {
         match self.number {
             Some(number) => format!("calibration {number} on topic `{}`", self.topic),
@@ -164,14 +164,14 @@ impl<'w> Published<'w> {
         Place::message(self.bag.source, self.at.clone())
     }
 
-    /// The frame that its messages name.
+    /// The frame of its messages.
     pub(crate) fn frame(&self) -> Option<FrameId> {
         let topic = self.bag.topics.get(self.topic)?;
         let mut frames = topic.header_frames.keys().map(FrameId::canonical);
         frames.find(|frame| !frame.as_str().is_empty())
     }
 
-    /// What it says of the camera, as a rule judges it.
+    /// The calibration as a rule judges it.
     pub(crate) fn intrinsics(&self) -> Intrinsics<'w> {
         Intrinsics {
             calibration: self.calibration,
@@ -186,7 +186,7 @@ impl<'w> Published<'w> {
         is_uncalibrated(self.calibration)
     }
 
-    /// The namespace that the camera's topics share: `/front` of `/front/camera_info`.
+    /// The common namespace of the camera's topics: `/front` of `/front/camera_info`.
     pub(crate) fn namespace(&self) -> &'w str {
         namespace(self.topic)
     }

@@ -1,4 +1,4 @@
-//! What is wrong with a declared range image: by itself, and against the clouds that it is made of. Must not judge.
+//! Faults of a declared range image: of its declaration alone, and compared with the clouds that it is made of. Must not judge.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,36 +10,41 @@ use crate::verdict::Measured;
 use crate::world::World;
 use crate::world::projection::{Projection, RangeImage, Seam, Sense};
 
-/// What is wrong, with its word, what to do, and its number.
+/// A fault, with its relation, help and measurement.
 pub(crate) struct Fault {
     pub(crate) message: String,
+    /// Evidence behind the message; may be empty.
+    pub(crate) detail: String,
     pub(crate) relation: &'static str,
     pub(crate) help: &'static str,
     pub(crate) measured: Measured,
     pub(crate) is_certain: bool,
 }
 
-/// What is wrong without any data.
+/// The faults that show without any data.
 pub(crate) fn alone(image: &RangeImage) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let (Some(up), Some(down)) = (image.fov_up_deg, image.fov_down_deg)
         && up <= down
     {
         faults.push(Fault {
-            message: format!("the upper edge of the range image is declared at {up} deg, under the lower one at {down} deg: its rows run the wrong way"),
+            message: format!(
+                "the upper edge of the range image, {up} deg, is declared below its lower edge, {down} deg"
+            ),
+            detail: String::new(),
             relation: "swapped",
-            help: "exchange the two edges, or look at the sign of the lower one",
+            help: "exchange the two edges, or check the sign of the lower one",
             measured: Measured::new("declared height", up - down, "deg").limit(0.0),
             is_certain: true,
         });
     }
     if let (Some(Seam::None), Some(width)) = (image.seam, image.width) {
         faults.push(Fault {
-            message: format!(
-                "a point straight back (azimuth pi) comes to lie in column {width} of {width}: floor((azimuth + pi) / 2 pi * W) is W itself there, and nothing is done about it"
-            ),
+            message: format!("a point straight behind (azimuth pi) gets column {width}, beyond the last one"),
+            detail: "floor((azimuth + pi) / 2 pi * W) is W at azimuth pi, and the declared seam handling is none."
+                .to_owned(),
             relation: "seam",
-            help: "take the column modulo the width, or at most width - 1",
+            help: "use the column modulo the width, or at most width - 1",
             measured: Measured::new("column of azimuth pi", f64::from(width), "count").limit(f64::from(width) - 1.0),
             is_certain: true,
         });
@@ -60,24 +65,25 @@ pub(crate) fn clouds<'w>(
     let found: Vec<Clouds> = Clouds::all(world).filter(about).collect();
     let (first, others) = found
         .split_first()
-        .ok_or("no recording has clouds of a lidar that it could be about")?;
+        .ok_or("no recording has clouds of a lidar that it could be about: add one, or declare its `topic`")?;
     if projection.topic.is_none() {
         if others.iter().any(|clouds| clouds.topic.topic != first.topic.topic) {
-            return Err("several lidars are recorded, and nothing says which of them it is about".to_owned());
+            return Err("several lidars are recorded: declare which one it is about with `topic`".to_owned());
         }
         let alike = declared
             .iter()
             .filter(|(other, _)| other.topic.is_none() && other.format == projection.format);
         if alike.count() > 1 {
             return Err(
-                "several files of this format are beside it, and nothing says which of them is the lidar's".to_owned(),
+                "several files of this format are given: check the one of this lidar alone, or declare `topic`"
+                    .to_owned(),
             );
         }
     }
     Ok(found)
 }
 
-/// What the data of a topic say.
+/// The faults that the data of a topic show.
 pub(crate) fn against(
     clouds: &Clouds,
     image: &RangeImage,
@@ -89,7 +95,7 @@ pub(crate) fn against(
         .is_some_and(|frame| names::is_base(&frame) && !names::is_device(&frame))
     {
         return Err(format!(
-            "the clouds on `{topic}` are expressed in the base: their elevations are not the sensor's"
+            "the clouds on `{topic}` are expressed in the base, not in the sensor: record the clouds of the driver"
         ));
     }
     let elevations: Vec<f64> = clouds
@@ -103,7 +109,7 @@ pub(crate) fn against(
         .collect();
     if elevations.len() < limits.min_points {
         return Err(format!(
-            "{} points of `{topic}` lie beyond {} m; {} are needed",
+            "{} points of `{topic}` are beyond {} m; {} are needed",
             elevations.len(),
             limits.near_m,
             limits.min_points
@@ -112,8 +118,8 @@ pub(crate) fn against(
     let at = |share| quantile(&elevations, share).unwrap_or(f64::NAN);
     let (low, high) = (at(limits.quantile), at(1.0 - limits.quantile));
     let mut measured = vec![
-        Measured::new("elevation, nearly all above", low, "deg").samples(elevations.len() as u64),
-        Measured::new("elevation, nearly all beneath", high, "deg").samples(elevations.len() as u64),
+        Measured::new("lowest elevation of nearly all points", low, "deg").samples(elevations.len() as u64),
+        Measured::new("highest elevation of nearly all points", high, "deg").samples(elevations.len() as u64),
     ];
     let mut faults = Vec::new();
     faults.extend(edges(topic, image, &elevations, [low, high], limits, &mut measured));
@@ -149,42 +155,44 @@ fn edges(
         let (relation, what, help) = if is_radians {
             (
                 "radians",
-                "these are radians where degrees are meant",
-                "multiply both by 180 / pi",
+                "The edges are probably in radians, but degrees are required.",
+                "multiply both edges by 180 / pi",
             )
         } else if is_reversed {
             (
                 "swapped",
-                "the two edges are exchanged, with their signs",
-                "exchange them: the upper edge is the elevation of the highest beam",
+                "The two edges are exchanged, with their signs.",
+                "exchange the edges: the upper one is the elevation of the highest beam",
             )
         } else {
             (
                 "field-of-view",
-                "they are those of another sensor, or of another revision",
-                "take the elevations of the sensor's own metadata or data sheet",
+                "The edges are probably those of another sensor or revision.",
+                "declare the elevations of the sensor's own metadata or data sheet",
             )
         };
         return Some(Fault {
             message: format!(
-                "the range image is declared from {down} to {up} deg, and {:.1} % of the points on `{topic}` lie outside: they reach from {low:.1} to {high:.1} deg; {what}",
+                "{:.1} % of the points on `{topic}` are outside the declared range image, {down} to {up} deg",
                 100.0 * outside
             ),
+            detail: format!("They are from {low:.1} to {high:.1} deg. {what}"),
             relation,
             help,
             measured: share,
             is_certain: false,
         });
     }
-    // Beams into the sky have no returns; the lowest ones have the ground.
+    // Beams into the sky have no returns; the lowest ones hit the ground.
     let unused = low - down;
     (unused > 2.0 * off + 0.25 * (up - down)).then(|| Fault {
         message: format!(
-            "the range image is declared down to {down} deg, and nearly no point on `{topic}` lies under {low:.1} deg: the lowest rows stay empty"
+            "the range image is declared down to {down} deg, but the points on `{topic}` end at {low:.1} deg"
         ),
+        detail: "The lowest rows stay empty.".to_owned(),
         relation: "field-of-view",
-        help: "take the elevations of the sensor's own metadata or data sheet",
-        measured: Measured::new("declared under the lowest points", unused, "deg").limit(off),
+        help: "declare the elevations of the sensor's own metadata or data sheet",
+        measured: Measured::new("declared below the lowest points", unused, "deg").limit(off),
         is_certain: false,
     })
 }
@@ -201,22 +209,23 @@ fn size(clouds: &Clouds, image: &RangeImage, measured: &mut Vec<Measured>) -> Op
     measured.push(Measured::new("columns of the cloud", f64::from(columns), "count"));
     let multiple = |a: u32, b: u32| a.max(b).is_multiple_of(a.min(b).max(1));
     let topic = &clouds.topic.topic;
-    let told = [("rows", image.height, rows), ("columns", image.width, columns)];
-    told.into_iter().find_map(|(what, declared, seen)| {
+    let both = [("rows", image.height, rows), ("columns", image.width, columns)];
+    both.into_iter().find_map(|(what, declared, seen)| {
         let declared = declared?;
         (!multiple(declared, seen)).then(|| Fault {
             message: format!(
-                "the range image is declared with {declared} {what}, and the clouds on `{topic}` have {seen}"
+                "the range image is declared with {declared} {what}, but the clouds on `{topic}` have {seen}"
             ),
+            detail: String::new(),
             relation: "size",
-            help: "declare the size of the sensor's own frame, or a whole part of it",
+            help: "declare the rows and columns of the sensor, or an integer fraction of them",
             measured: Measured::new(format!("declared {what}"), f64::from(declared), "count").limit(f64::from(seen)),
             is_certain: true,
         })
     })
 }
 
-/// The way the azimuth goes with the columns of an organised cloud.
+/// The direction in which the azimuth grows with the columns of an organised cloud.
 fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Vec<Measured>) -> Option<Fault> {
     let declared = image.azimuth?;
     let resultant = |sign: f64| {
@@ -256,19 +265,20 @@ fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Ve
     };
     (seen != declared).then(|| Fault {
         message: format!(
-            "the columns of the range image are declared to go {}, and those of the clouds on `{}` go {} (resultant {most:.2} of 1): one is the mirror image of the other",
+            "the range image is mirrored: columns are declared {}, but {} on `{}`",
             word(declared),
-            clouds.topic.topic,
-            word(seen)
+            word(seen),
+            clouds.topic.topic
         ),
+        detail: format!("The resultant of the azimuths for this direction is {most:.2} of 1."),
         relation: "mirrored",
-        help: "count the azimuth the other way: u = (1 - (azimuth + pi) / 2 pi) * W for columns that go clockwise",
-        measured: Measured::new("angle between the two after half a turn", PI.to_degrees(), "deg"),
+        help: "reverse the azimuth: u = (1 - (azimuth + pi) / 2 pi) * W for clockwise columns",
+        measured: Measured::new("angle between the two after 180 deg", PI.to_degrees(), "deg"),
         is_certain: false,
     })
 }
 
-/// The beams' own origin: what the sensor's metadata has, and what is declared.
+/// The origin of the beams: in the sensor's metadata and as declared.
 pub(crate) fn beams(
     clouds: &Clouds,
     projection: &Projection,
@@ -288,11 +298,11 @@ pub(crate) fn beams(
     let off = (by_sensor - by_file).abs();
     (off > limits.max_beam_mm).then(|| Fault {
         message: format!(
-            "the range image takes the beams to begin {by_file} mm from the axis, and the sensor's metadata have {by_sensor} mm: points at 3 m lie {:.2} deg aside",
-            (off * 1e-3 / 3.0).atan().to_degrees()
+            "the beams of the range image start {by_file} mm from the axis, in the sensor's metadata {by_sensor} mm"
         ),
+        detail: format!("This moves points at 3 m by {:.2} deg.", (off * 1e-3 / 3.0).atan().to_degrees()),
         relation: "beam-offset",
-        help: "take lidar_origin_to_beam_origin_mm from the sensor's metadata into the projection, as ouster-sdk's XYZLut does",
+        help: "use lidar_origin_to_beam_origin_mm of the sensor's metadata in the projection, as ouster-sdk's XYZLut does",
         measured: Measured::new("difference in the origin of the beams", off, "mm").limit(limits.max_beam_mm),
         is_certain: true,
     })

@@ -1,6 +1,6 @@
-//! A lidar's points in the image of a camera: where they come to lie by a mounting, and by others that it may be mistaken for.
+//! A lidar's points in the image of a camera: where they project with its mounting transform, and with likely wrong ones.
 //!
-//! Owns the geometry of a view over the ground that a lidar stands on, and the mountings that are tried. Must not judge.
+//! Owns the geometry of a view over the ground that a lidar sees, and the mountings that are tried. Must not judge.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -13,7 +13,7 @@ use crate::world::{World, camera::CameraModel};
 const CLOUDS: usize = 10;
 /// Points of each that are.
 const POINTS: usize = 300;
-/// Level views that are tried, evenly all around.
+/// Level views that are tried, evenly in yaw.
 const VIEWS: u32 = 24;
 
 /// The image that points are projected into.
@@ -48,7 +48,7 @@ impl Image {
 /// What a lidar sees around a platform, in the axes that mountings are expressed in: the base, or the lidar itself.
 pub(crate) struct Scene {
     points: Vec<Vector3<f64>>,
-    /// Away from the ground.
+    /// The normal of the ground, upwards.
     pub(crate) up: Vector3<f64>,
     /// The ground is where `up * p + height_m` is zero.
     height_m: f64,
@@ -109,7 +109,7 @@ impl Scene {
         seen.count() as f64 / self.points.len().max(1) as f64
     }
 
-    /// The largest share of a camera at this place that looks level, whichever way.
+    /// The largest share of a camera at this position that looks level, over all yaws.
     pub(crate) fn most(&self, image: &Image, base_from_camera: &Isometry3<f64>) -> f64 {
         let Some(aside) = [Vector3::x(), Vector3::y()]
             .into_iter()
@@ -128,7 +128,7 @@ impl Scene {
         shares.fold(0.0, f64::max)
     }
 
-    /// How a mounting looks.
+    /// The attitude of a camera over the ground.
     pub(crate) fn attitude(&self, base_from_camera: &Isometry3<f64>) -> Attitude {
         let up = base_from_camera.rotation.inverse() * self.up;
         Attitude {
@@ -139,18 +139,18 @@ impl Scene {
     }
 }
 
-/// How a camera looks, over the ground.
+/// The attitude and height of a camera over the ground.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attitude {
     /// Over the horizon.
     pub(crate) pitch_deg: f64,
-    /// How far the image's up is turned to its right; 180 is upside down.
+    /// How far the image's up is rotated to its right; 180 is upside down.
     pub(crate) roll_deg: f64,
     /// Of the camera, over the ground.
     pub(crate) height_m: f64,
 }
 
-/// A mounting that the told one may be mistaken for.
+/// An error of a mounting transform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mistake {
     NotTurned,
@@ -169,7 +169,7 @@ impl Mistake {
         Self::Reversed,
     ];
 
-    /// The mounting that is right, if this mistake was made.
+    /// The right mounting, if this error was made.
     pub(crate) fn corrected(self, told: &Isometry3<f64>) -> Isometry3<f64> {
         let turned = |by: UnitQuaternion<f64>| Isometry3::from_parts(told.translation, told.rotation * by);
         match self {
@@ -193,10 +193,10 @@ impl Mistake {
 
     pub(crate) fn text(self) -> &'static str {
         match self {
-            Self::NotTurned => "its axes are those of a link (x ahead, z up): the turn to optical axes is missing",
-            Self::Inverse => "the transform is told the wrong way round",
+            Self::NotTurned => "the rotation to optical axes is missing",
+            Self::Inverse => "the transform is inverted",
             Self::Transposed => "the rotation is transposed",
-            Self::TurnedTwice => "the turn to optical axes is applied twice",
+            Self::TurnedTwice => "the rotation to optical axes is applied twice",
             Self::Reversed => "its z axis points backward",
         }
     }
@@ -204,16 +204,16 @@ impl Mistake {
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::NotTurned => {
-                "turn it by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)"
+                "rotate the frame by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)"
             }
             Self::Inverse => {
-                "publish the inverse: TF's transform of a child is its pose in the parent; calibrations often hold the other one"
+                "publish the inverse: TF's transform of a child is its pose in the parent; calibrations often hold the inverse"
             }
             Self::Transposed => {
                 "transpose the rotation: row-major and column-major were exchanged, or a JPL quaternion was read as Hamilton"
             }
-            Self::TurnedTwice => "take one of the two turns RPY(-pi/2, 0, -pi/2) out of the chain",
-            Self::Reversed => "turn the optical frame by 180 deg about its y: z is the direction of view",
+            Self::TurnedTwice => "remove one of the two rotations RPY(-pi/2, 0, -pi/2) from the chain",
+            Self::Reversed => "rotate the optical frame by 180 deg about its y: z is the direction of view",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the messages of a stream of poses say of their covariance, each with the yaw that it was said at.
+//! The covariances that a stream of poses states, each with the yaw at its time.
 //!
 //! Must not judge.
 
@@ -14,7 +14,7 @@ use crate::world::{BagEvidence, bag::TopicEvidence, motion::PoseRow};
 
 /// A pose at the time of a matrix is no further away than this, nanoseconds.
 const MAX_APART_NS: u64 = 200_000_000;
-/// Numbers of a matrix that differ by less than this share of it are one.
+/// Numbers of a matrix that differ by less than this share of it are equal.
 const SAME: f64 = 1e-9;
 
 /// Every stream of poses on a topic, with the covariance field of this name.
@@ -43,7 +43,7 @@ pub(crate) fn each(
 /// The covariances of a stream.
 pub(crate) struct Declared<'w> {
     pub(crate) topic: &'w TopicEvidence,
-    /// The different ones that say something, in the axes of ROS, with the yaw at their time.
+    /// The different ones that state something, in the axes of ROS, with the yaw at their time.
     pub(crate) samples: Vec<(Cow<'w, CovarianceAt>, Option<f64>)>,
     /// The yaws of the whole stream.
     yaws: Vec<f64>,
@@ -52,13 +52,13 @@ pub(crate) struct Declared<'w> {
 /// Where the longer axis of horizontal covariances points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axes {
-    /// Longer over shorter deviation, of half of the matrices.
+    /// Longer over shorter deviation, the median of the matrices.
     pub(crate) stretch: f64,
-    /// Sum of both variances, of half of the matrices.
+    /// Sum of both variances, the median of the matrices.
     pub(crate) trace: f64,
     /// How constant its direction is in the axes that the matrix is expressed in, 0..=1.
     pub(crate) constant: f64,
-    /// How constant its direction less the yaw is.
+    /// How constant its direction minus the yaw is.
     pub(crate) less_yaw: f64,
     /// How widely the yaw is spread, 0..=1.
     pub(crate) spread: f64,
@@ -104,7 +104,7 @@ impl<'w> Declared<'w> {
         }
     }
 
-    /// Whether all of them are one: numbers that somebody typed.
+    /// Whether all of them are equal: hard-coded numbers.
     pub(crate) fn is_constant(&self) -> bool {
         let mut values = self.samples.iter().map(|(sample, _)| &sample.values);
         let Some(first) = values.next() else { return true };
@@ -112,7 +112,7 @@ impl<'w> Declared<'w> {
         values.all(|other| first.iter().zip(other).all(|(a, b)| (a - b).abs() <= SAME * largest))
     }
 
-    /// The variances, each that of half of the matrices.
+    /// The variances, each the median of the matrices.
     pub(crate) fn variances(&self) -> Option<Variances> {
         let of = |axes: &[usize]| {
             let mean = |sample: &CovarianceAt| {
@@ -143,7 +143,7 @@ impl<'w> Declared<'w> {
         let stretches: Vec<f64> = ellipses.iter().map(|(ellipse, _)| ellipse.stretch.min(1e6)).collect();
         let traces: Vec<f64> = ellipses.iter().map(|(ellipse, _)| ellipse.trace).collect();
         let (angles, yaws): (Vec<f64>, Vec<f64>) = if self.is_constant() {
-            // One matrix stands for all messages, at all yaws.
+            // One matrix for all messages, at all yaws.
             let (ellipse, _) = ellipses.first()?;
             (vec![ellipse.angle_rad; self.yaws.len()], self.yaws.clone())
         } else {

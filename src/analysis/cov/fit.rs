@@ -1,4 +1,4 @@
-//! The variances that a stream of poses states against the noise that it shows, under the readings of what is stated.
+//! The variances that a stream of poses states, compared with the noise that it shows, for several readings of the variances.
 //!
 //! Must not judge. Shared by COV02 (the order of the blocks) and COV05 (units): each reports its own readings.
 
@@ -34,7 +34,7 @@ const READINGS: [Reading; 6] = [
 ];
 
 impl Reading {
-    /// m² and rad² of what is stated.
+    /// The stated variances in m² and rad².
     fn variances(self, told: Variances) -> Variances {
         let scaled = |linear: f64, angular: f64| Variances {
             horizontal: told.horizontal / linear,
@@ -63,7 +63,7 @@ impl Reading {
     }
 }
 
-/// Each variance told beside the one shown, where any is: of heights on flat ground nothing is.
+/// Each variance stated with the one shown, where there is any: heights on flat ground have none.
 fn pairs(told: Variances, shown: Variances) -> impl Iterator<Item = (f64, f64)> {
     [
         (told.horizontal, shown.horizontal),
@@ -75,9 +75,9 @@ fn pairs(told: Variances, shown: Variances) -> impl Iterator<Item = (f64, f64)> 
     .filter(|(_, shown)| *shown > NOTHING)
 }
 
-/// How well the readings fit the noise.
+/// How near the readings are to the noise.
 pub(crate) struct Fit {
-    /// Each with the largest factor by which a variance misses the noise; the best first.
+    /// Each with the largest factor between a variance and the noise; the best first.
     pub(crate) readings: Vec<(Reading, f64)>,
     /// Poses behind it.
     pub(crate) poses: u64,
@@ -92,11 +92,11 @@ impl Fit {
             return Err("every covariance is all zeros, or not finite".to_owned());
         }
         if declared.is_constant() {
-            return Err("one constant matrix: numbers that were typed in say nothing of the noise".to_owned());
+            return Err("one constant matrix in all messages: hard-coded numbers do not describe the noise".to_owned());
         }
         let noise = Noise::of(stream, declared.topic);
         if (noise.count() as f64) < min_poses {
-            return Err(format!("{} poses at even steps, {min_poses} are needed", noise.count()));
+            return Err(format!("{} evenly spaced poses, {min_poses} are needed", noise.count()));
         }
         let (Some(shown), Some(told)) = (noise.variances(), declared.variances()) else {
             return Err("the poses show no noise".to_owned());
@@ -119,13 +119,13 @@ impl Fit {
         })
     }
 
-    /// The largest factor by which a reading misses the noise.
+    /// The largest factor between a reading and the noise.
     pub(crate) fn miss(&self, reading: Reading) -> f64 {
         let found = self.readings.iter().find(|known| known.0 == reading);
         found.map_or(f64::INFINITY, |found| found.1)
     }
 
-    /// The best reading, where it fits to this factor and every other misses by so many times more.
+    /// The best reading, where it is within this factor and every other is off by so many times more.
     pub(crate) fn best(&self, fits: f64, margin: f64) -> Option<Reading> {
         let (best, second) = (self.readings.first()?, self.readings.get(1)?);
         (best.1 <= fits && second.1 >= margin * best.1).then_some(best.0)
@@ -135,7 +135,7 @@ impl Fit {
 /// Variances below this are rounding, m² or rad².
 const NOTHING: f64 = 1e-14;
 
-/// The largest factor between what is told and what is shown; infinite where a noisy axis is told to be sure.
+/// The largest factor between what is stated and what is shown; infinite where a noisy axis is stated as exact.
 fn miss(told: Variances, shown: Variances) -> f64 {
     let factors = pairs(told, shown).map(|(told, shown)| {
         let ratio = told / shown;

@@ -1,4 +1,4 @@
-//! Covariances as declared and as the data scatter.
+//! Covariances as stated, and the scatter of the data.
 
 pub(crate) mod declared;
 pub(crate) mod fit;

@@ -1,6 +1,6 @@
 //! The white noise that a stream of poses shows, message by message.
 //!
-//! Owns the runs it is taken from. Must not know what the messages say of their noise.
+//! Owns the runs it is taken from. Must not know which noise the messages state.
 
 use nalgebra::{Rotation2, UnitQuaternion, Vector2, Vector3};
 
@@ -24,7 +24,7 @@ struct Residual {
     yaw_rad: f64,
 }
 
-/// Variances that are the same whatever the yaw: m², rad².
+/// Variances that do not depend on the yaw: m², rad².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Variances {
     /// Of x and y, in the mean.
@@ -80,7 +80,7 @@ impl Noise {
     pub(crate) fn variances(&self) -> Option<Variances> {
         let of = |value: &dyn Fn(&Residual) -> f64| {
             let values: Vec<f64> = self.residuals.iter().map(value).collect();
-            // A few leaps must not make the variance. Of a normal noise nothing is cut off.
+            // A few jumps must not dominate the variance. Normal noise is not cut off.
             let most = 6.0 * mad(&values)?;
             let kept: Vec<f64> = values.into_iter().filter(|value| value.abs() <= most).collect();
             let squares: f64 = kept.iter().map(|value| value * value).sum();
@@ -97,7 +97,7 @@ impl Noise {
     /// The ellipse of the horizontal noise in the axes of the frame of the poses, and in those of the body by its yaw.
     pub(crate) fn ellipses(&self) -> Option<(Ellipse, Ellipse)> {
         let lengths: Vec<f64> = self.residuals.iter().map(|one| one.linear.xy().norm()).collect();
-        // A few leaps must not make the ellipse.
+        // A few jumps must not dominate the ellipse.
         let most = 4.0 * median(&lengths)?;
         let kept = || self.residuals.iter().filter(move |one| one.linear.xy().norm() <= most);
         let in_body = |one: &Residual| -> Vector2<f64> { Rotation2::new(-one.yaw_rad) * one.linear.xy() };

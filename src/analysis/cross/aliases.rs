@@ -1,4 +1,4 @@
-//! The frames of the platform that a calibration means with names of its own.
+//! The frames of the robot that a calibration means by its own names.
 
 use std::cell::{Cell, OnceCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -83,11 +83,11 @@ pub(crate) struct Search<'g> {
     world: &'g World,
     exact: &'g exact::Limits,
     kinds: OnceCell<Kinds<'g>>,
-    /// Pairs of frames that were looked at.
+    /// Pairs of frames that were tried.
     looked: Cell<usize>,
 }
 
-/// Pairs of frames that are looked at for all transforms of calibrations: a hundred transforms against a platform of two hundred frames.
+/// Most pairs of frames that are tried for all transforms of calibrations: a hundred transforms on a robot of two hundred frames.
 const MOST_PAIRS: usize = 4_000_000;
 
 impl<'g> Search<'g> {
@@ -100,18 +100,18 @@ impl<'g> Search<'g> {
         }
     }
 
-    /// Whether so many pairs were looked at that no more are: what was found may not be all.
+    /// Whether the most pairs were tried: what was found may be incomplete.
     pub(crate) fn is_spent(&self) -> bool {
         self.looked.get() > MOST_PAIRS
     }
 
-    /// Counts a pair that is looked at. Whether it may be.
+    /// Counts a pair that is tried. Whether it may be.
     fn look(&self) -> bool {
         self.looked.set(self.looked.get() + 1);
         !self.is_spent()
     }
 
-    /// The platform's frames that a program's word for a sensor may mean: by their names, else by what is published in them.
+    /// The robot's frames that a program's name for a sensor may mean: by their names, else by what is published in them.
     fn meant(&self, role: &FrameId) -> Vec<&'g FrameId> {
         let kinds = self.kinds.get_or_init(|| Kinds::new(self.world.graph()));
         let named = kinds.named(self.world.graph(), role);
@@ -122,8 +122,8 @@ impl<'g> Search<'g> {
         }
     }
 
-    /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
-    /// convention error, and others have, those. `of_file` is all that the file states.
+    /// The pairs whose names are of the right kinds. If none of them has the transform to the last digits (as stated or with a
+    /// convention error), but other pairs have, those. `of_file` is all that the file states.
     pub(crate) fn candidates(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
         if self.is_spent() {
             return Vec::new();
@@ -150,8 +150,8 @@ impl<'g> Search<'g> {
         found.collect()
     }
 
-    /// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not
-    /// by chance.
+    /// Pairs with one frame of the right kind and the other of any name, whose transform is equal to the last digits and hardly by
+    /// chance.
     fn by_numbers(&self, stated: &Stated) -> Vec<Candidate<'g>> {
         let rigid = self.world.graph().rigid();
         let mut found: Vec<Candidate<'g>> = Vec::new();
@@ -169,8 +169,8 @@ impl<'g> Search<'g> {
         found
     }
 
-    /// Pairs of frames that are called anything. Of one pair nothing tells the direction; where a file states several transforms of one
-    /// frame (`body` of each camera), the platform's frame that all of them share does.
+    /// Pairs of frames of any name. One pair alone does not determine the direction; where a file states several transforms of one
+    /// frame (`body` of each camera), the robot's frame that all of them share does.
     fn by_shared_frame(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
         let mut others = of_file.sharing(stated).peekable();
         let mut own = if others.peek().is_none() {
@@ -200,7 +200,7 @@ impl<'g> Search<'g> {
         own
     }
 
-    /// The pairs of all frames whose transform is met to the last digits, and tells something.
+    /// The pairs of all frames whose transform is equal to the last digits, and specific.
     fn telling(&self, stated: &Stated) -> Vec<Candidate<'g>> {
         let mut found = Vec::new();
         for cluster in &self.world.graph().rigid().clusters {
@@ -214,7 +214,7 @@ impl<'g> Search<'g> {
         found
     }
 
-    /// Adds a pair whose transform tells something, and is met to the last digits. Frames in one place are one candidate.
+    /// Adds a pair whose transform is specific and equal to the last digits. Coincident frames are one candidate.
     fn add(
         &self,
         found: &mut Vec<Candidate<'g>>,
@@ -223,7 +223,7 @@ impl<'g> Search<'g> {
         tells: fn(&exact::Limits, &Isometry3<f64>) -> bool,
     ) {
         let (exact, length) = (self.exact, |pose: &Isometry3<f64>| pose.translation.vector.norm());
-        // What every convention error leaves as it is, comes first: it is cheap.
+        // The length first: it is cheap, and every convention error keeps it.
         let is_near = (length(&pose) - length(&stated.pose)).abs() <= exact.exact_m;
         if target == source || !is_near || !tells(exact, &pose) {
             return;
@@ -239,7 +239,7 @@ impl<'g> Search<'g> {
     }
 }
 
-/// The platform's frames that something of this name may mean, by what is published in them.
+/// The robot's frames that this name may mean, by what is published in them.
 fn published<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
     let types: &[&str] = if has_word(role, names::CAMERAS) {
         &["CameraInfo", "Image", "CompressedImage"]
@@ -261,9 +261,9 @@ fn published<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
 
 const LIDAR_WORDS: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
 
-/// The platform's frames by the kinds that their names tell.
+/// The robot's frames by the kinds in their names.
 struct Kinds<'g> {
-    /// With their numbers. Programs that look through cameras mean the axes of images: where there are optical frames, these.
+    /// With their numbers. Vision programs mean the axes of images: optical frames where there are any.
     cameras: Vec<(&'g FrameId, u32)>,
     lidars: Vec<&'g FrameId>,
     imus: Vec<&'g FrameId>,
@@ -318,7 +318,7 @@ impl<'g> Kinds<'g> {
     }
 }
 
-/// The number in a name, `0` and none alike.
+/// The number in a name; 0 where there is none.
 fn number(frame: &FrameId) -> u32 {
     let digits = frame.tokens().into_iter().find_map(|token| {
         let start = token.find(|letter: char| letter.is_ascii_digit())?;

@@ -1,6 +1,6 @@
-//! Whether the three angles of one statement give the rotation of the other once they are put together in another order.
+//! Whether the three angles of one statement give the rotation of the other when they are composed in another order.
 //!
-//! Owns the search and its margins. Must not word a finding: CROSS01 and CROSS02 leave such a pair to QUAT03.
+//! Owns the search and its margins. Must not word a finding: CROSS01 and CROSS02 defer to QUAT03 for such a pair.
 
 use nalgebra::{Isometry3, UnitQuaternion};
 use serde::Deserialize;
@@ -10,21 +10,21 @@ use crate::analysis::cross::pair::{Direction, Pair, Statement};
 use crate::math::relation::{Relation, Tolerance};
 use crate::math::{euler::Order, rotation::rotation_angle_between};
 
-/// The limits of the search; they stand on QUAT03's page.
+/// The limits of the search, from QUAT03's page.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Differences up to this are none, degrees.
+    /// Rotations within this are equal, degrees.
     pub(crate) equal_deg: f64,
-    /// What an order may leave, degrees.
+    /// Largest residual of an order, degrees.
     pub(crate) left_deg: f64,
     /// ... and as a share of the difference.
     pub(crate) left_share: f64,
-    /// How far off the quarter turns an angle counts, degrees.
+    /// How far from multiples of 90 degrees an angle counts, degrees.
     pub(crate) off_axis_deg: f64,
 }
 
-/// What the numbers stand for.
+/// The unit of the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unit {
     /// As they were read.
@@ -52,9 +52,9 @@ pub(crate) struct Explained {
     /// The simplest that fits.
     pub(crate) order: Order,
     pub(crate) unit: Unit,
-    /// Others that give the same.
+    /// Others that give the same rotation.
     pub(crate) alike: Vec<Order>,
-    /// What it leaves, degrees.
+    /// Its residual, degrees.
     pub(crate) left_deg: f64,
     /// The difference as stated, degrees.
     pub(crate) apart_deg: f64,
@@ -77,7 +77,7 @@ pub(crate) fn explained(pair: &Pair, limits: &Limits) -> Option<Explained> {
         let (own, meant) = both(pair, angles, against)?;
         search(angles.rpy?, &own, &meant, limits).map(|found| Explained { of_other, ..found })
     })?;
-    // A simpler word of the dictionary that fits as well keeps the pair.
+    // Where a simpler relation fits as well, the pair stays with CROSS02.
     let word = either_way(pair).map_or_else(|| pair.classify(), |either| either.classification);
     let is_order = |relation| matches!(relation, Relation::RpyRotating | Relation::RpyFixed | Relation::Ypr);
     let simpler = word.error().is_some_and(|relation| !is_order(relation))
@@ -104,13 +104,13 @@ fn both(pair: &Pair, angles: &Statement, against: &Statement) -> Option<(Isometr
     (halves || (a - b).norm() <= allowed_m).then_some((own, meant))
 }
 
-/// Whether an angle, radians, is off every multiple of a quarter turn.
+/// Whether an angle, radians, is away from every multiple of 90 degrees.
 fn is_off_axis(angle: f64, limits: &Limits) -> bool {
     let degrees = angle.to_degrees();
     (degrees - 90.0 * (degrees / 90.0).round()).abs() > limits.off_axis_deg
 }
 
-/// Whether another order of these angles would show: two of them lie off the axes.
+/// Whether another order of these angles would show: two of them are off the axes.
 pub(crate) fn can_tell(rpy: [f64; 3], limits: &Limits) -> bool {
     rpy.iter().filter(|angle| is_off_axis(**angle, limits)).count() >= 2
 }

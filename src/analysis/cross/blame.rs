@@ -5,8 +5,8 @@
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
 use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, classify, classify_either_way};
 
-/// Puts the statement that holds the error second, and names the relation from the first to it. The reference is taken
-/// for right unless the numbers, or most of the other sources, say otherwise.
+/// Puts the statement with the error second, and names the relation from the first to it. The reference is taken as right
+/// unless the numbers, or most of the other sources, contradict it.
 pub(crate) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
     let found = pair.classify();
     let longest_m = [&pair.reference, &pair.other]
@@ -17,10 +17,10 @@ pub(crate) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
         None => either_way(pair).is_some_and(|either| either.reversed),
         // Degrees in the larger numbers are common; radians that were converted once too often are not.
         Some(Relation::Radians) => true,
-        // Nothing is mounted that far away: the longer one holds millimetres, or else the shorter one was scaled twice.
+        // Nothing is mounted so far away: the longer one is in millimetres, else the shorter one was scaled twice.
         Some(Relation::Metres) => longest_m > mount_m,
         Some(Relation::Millimetres) => longest_m <= mount_m,
-        // Two against one, where the error can be told from the other side as well.
+        // Two against one, where the error has a name in the other direction as well.
         Some(_) => {
             outvoted(pair)
                 && classify(&pair.other.pose, &pair.reference.pose, &Tolerance::default())
@@ -58,14 +58,14 @@ pub(crate) fn named(pair: &Pair) -> Option<Relation> {
     either_way(pair).map_or_else(|| pair.classify().error(), |either| either.classification.error())
 }
 
-/// Half a transform can't be taken for the result of a whole one: `None` for such a pair.
+/// `None` for a pair of which one states only a rotation or a translation.
 pub(crate) fn either_way(pair: &Pair) -> Option<EitherWay> {
     let complete = |s: &Statement| s.has_rotation && s.has_translation;
     (complete(&pair.reference) && complete(&pair.other))
         .then(|| classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default()))
 }
 
-/// Whether the first of the two may as well be the one at fault, with radians that were taken for degrees.
+/// Whether the first of the two may be the wrong one instead, with radians that were read as degrees.
 pub(crate) fn holds_radians_twice(pair: &Pair) -> bool {
     let tolerance = Tolerance::default();
     classify(&pair.other.pose, &pair.reference.pose, &tolerance)

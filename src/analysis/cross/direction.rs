@@ -1,4 +1,4 @@
-//! Which direction of a mounting brings scans together.
+//! Which direction of a mounting transform matches the motions of scans and body.
 
 use nalgebra::Isometry3;
 use serde::Deserialize;
@@ -29,7 +29,7 @@ pub(crate) struct Limits {
     pub(crate) least_place_m: f64,
 }
 
-/// What the mounting may be.
+/// Hypotheses about the mounting transform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     AsPublished,
@@ -39,14 +39,14 @@ pub(crate) enum Reading {
 }
 
 impl Reading {
-    /// Whether it must win against another. What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both
-    /// together are nearly nothing.
+    /// Whether it must win against another. The transform as published needs no fault, and is not compared with two faults at once: at a
+    /// yaw of 90 deg both together nearly cancel.
     pub(crate) fn is_held_against(self, rival: Self) -> bool {
         self != rival && (self, rival) != (Self::AsPublished, Self::InverseTurned)
     }
 }
 
-/// What a reading leaves of each pair, metres.
+/// The residuals of a reading for each pair, metres.
 pub(crate) struct Residuals {
     pub(crate) reading: Reading,
     pub(crate) all_m: Vec<f64>,
@@ -63,7 +63,7 @@ impl Residuals {
         }
     }
 
-    /// Whether another leaves clearly less: by the ratio, or on nearly every pair a little.
+    /// Whether another has clearly smaller residuals: by the ratio, or slightly smaller ones on nearly every pair.
     pub(crate) fn is_beaten_by(&self, better: &Self, limits: &Limits) -> bool {
         let by = |ratio: f64| self.median_m >= ratio * better.median_m;
         if by(limits.ratio) && self.median_m - better.median_m >= limits.min_excess_m {
@@ -77,7 +77,7 @@ impl Residuals {
     }
 }
 
-/// What a reading leaves.
+/// The residuals of a reading.
 pub(crate) fn of(residuals: &[Residuals], reading: Reading) -> Option<&Residuals> {
     residuals.iter().find(|known| known.reading == reading)
 }
@@ -86,10 +86,10 @@ pub(crate) fn of(residuals: &[Residuals], reading: Reading) -> Option<&Residuals
 pub(crate) struct Seen {
     pub(crate) known: HandEye,
     pub(crate) pairs: usize,
-    /// What each reading leaves, the best first.
+    /// The residuals of each reading, the best first.
     pub(crate) residuals: Vec<Residuals>,
     pub(crate) decided: Option<Reading>,
-    /// Whether the inverse explains the motion better than what is stated, if perhaps not alone.
+    /// Whether the inverse explains the motion better than the transform as stated, perhaps among others.
     pub(crate) inverse_serves: bool,
 }
 
@@ -109,21 +109,21 @@ pub(crate) fn seen(world: &Estimates, clouds: &Clouds) -> Option<Seen> {
     .ok()
 }
 
-/// What is to be said beside a yaw that a mounting lacks, where its inverse explains that yaw as well: by the motions, or where they do not
-/// tell, by the yaw of the inverse, give or take an error.
+/// What a finding about a missing yaw of a mounting adds where the inverse explains that yaw as well: by the motions, or where they do not
+/// decide, by the yaw of the inverse within an error.
 pub(crate) fn doubt(seen: Option<&Seen>, told: &Isometry3<f64>, lacks_rad: f64, error_rad: f64) -> &'static str {
     let inverse = told.inverse();
     let has_that_yaw = || difference(lacks_rad, in_plane(&(inverse * inverse)).rotation.angle()).abs() <= error_rad;
     match seen {
         Some(seen) if seen.decided.is_none() && seen.inverse_serves => {
-            "; or it is told the wrong way round: its inverse brings the two together as well"
+            "; or it is inverted: its inverse matches the motions as well"
         }
-        None if has_that_yaw() => "; or it is told the wrong way round: its inverse has that yaw",
+        None if has_that_yaw() => "; or it is inverted: its inverse has that yaw",
         _ => "",
     }
 }
 
-/// Which reading of a mounting brings the two motions together.
+/// Which reading of a mounting matches the two motions.
 pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
     let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
     let known = HandEye::of(world, clouds, |steps| {
@@ -134,10 +134,7 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
     if apart.translation.vector.norm() < limits.min_apart_m
         && apart.rotation.angle().to_degrees() < limits.min_apart_deg
     {
-        let why = format!(
-            "`{}_from_{}` and its inverse are the same, about",
-            known.body, known.lidar
-        );
+        let why = format!("`{}_from_{}` and its inverse are nearly equal", known.body, known.lidar);
         return Err((NotEvaluated::NotApplicable, why));
     }
     let is_turned = |pair: &&Pair| pair.size().1.to_degrees() >= limits.min_turn_deg;
@@ -148,14 +145,14 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
         .collect();
     if sure.len() < limits.min_pairs {
         let why = format!(
-            "{} pairs of scans moved enough and matched well beside {}; {} are needed",
+            "{} pairs of scans moved enough and matched well with {}; {} are needed: record more motion",
             sure.len(),
             known.poses.0,
             limits.min_pairs
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
-    // Straight on every lever arm is as good: those count that turn, or else those that turn the most.
+    // On a straight way every lever arm fits: use the pairs that turn, or else those that turn the most.
     sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
     let turned = sure.iter().filter(|pair| is_turned(pair)).count();
     sure.truncate(turned.max(limits.min_pairs));
@@ -196,16 +193,16 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
     })
 }
 
-/// Where all pairs together determine the mounting.
+/// What all pairs together determine of the mounting.
 pub(crate) struct Placed {
-    /// The readings that are there, give or take its errors.
+    /// The readings that are there, within its errors.
     pub(crate) near: Vec<Reading>,
     /// The one of them that all others are far from.
     pub(crate) alone: Option<Reading>,
 }
 
 impl Placed {
-    /// The reading that both ways allow. A mounting that is off by something else than a reading may still be told the right way round.
+    /// The reading that both methods allow. A mounting with another error may still have the right direction.
     pub(crate) fn agreed(&self, by_pairs: Option<Reading>) -> Option<Reading> {
         match (by_pairs, self.alone) {
             (Some(by_pairs), None) => {

@@ -1,4 +1,4 @@
-//! Whether numbers alone tell that two sources mean the same sensors, whatever they call them.
+//! Whether numbers alone show that two sources mean the same sensors, independent of names.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,24 +22,24 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Whether a convention error explains a difference to the last digits, of a transform that is not met by chance.
+    /// Whether a convention error explains a difference to the last digits, for a transform that is hardly equal by chance.
     pub(crate) fn fits(&self, pose: &Isometry3<f64>, found: &Classification) -> bool {
         found.residual_angle_rad.to_degrees() <= self.exact_deg
             && found.residual_m <= self.exact_m
             && self.is_telling(pose)
     }
 
-    /// Mounts along the axes, with a length along one of them, are shared by devices that have nothing to do with each other.
+    /// Whether it is more specific than a mount along the axes with a length along one of them, which unrelated devices share.
     pub(crate) fn is_telling(&self, pose: &Isometry3<f64>) -> bool {
         self.is_distinct(pose, 2)
     }
 
-    /// Whether a transform is not met by chance among all frames of a platform: it lies along no axis, or has three lengths.
+    /// Whether a transform is hardly equal by chance among all frames of a robot: it is rotated off the axes, or has three lengths.
     pub(crate) fn tells_alone(&self, pose: &Isometry3<f64>) -> bool {
         self.is_distinct(pose, 3)
     }
 
-    /// Whether a transform lies along no axis, or has so many lengths.
+    /// Whether a transform is rotated off the axes, or has so many lengths.
     fn is_distinct(&self, pose: &Isometry3<f64>, least_lengths: usize) -> bool {
         self.lengths(pose) >= least_lengths || self.is_turned(pose)
     }
@@ -53,7 +53,7 @@ impl Limits {
         off_axes_deg(pose) >= self.alternatives_turn_deg
     }
 
-    /// Whether the rotation or the translation of a pose is met to the last digits, and not by chance, by one that is so far off.
+    /// Whether rotation or translation is equal to the last digits, and hardly by chance, with this difference.
     pub(crate) fn halves(&self, pose: &Isometry3<f64>, off_deg: f64, off_m: f64) -> bool {
         off_deg <= self.exact_deg && self.is_turned(pose) || off_m <= self.exact_m && self.lengths(pose) > 2
     }

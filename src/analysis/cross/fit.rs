@@ -1,11 +1,11 @@
-//! Whose transforms a file states, where neither folders nor names tell: a robot that has the same ones.
+//! Which robot a file belongs to, where neither folder nor names show it: the one with the same transforms.
 
 use std::cmp::Reverse;
 
 use crate::math::relation::{Relation, Tolerance, classify};
 use crate::world::{Claim, World};
 
-/// What printed digits leave: metres, and radians.
+/// Rounding of printed digits: metres, and radians.
 const EXACT_M: f64 = 1e-3;
 const EXACT_RAD: f64 = 1e-3;
 
@@ -14,7 +14,7 @@ const EXACT_RAD: f64 = 1e-3;
 pub(crate) struct Fit {
     /// To the digits that files are written with.
     exact: usize,
-    /// As near as a calibration is to a drawing.
+    /// Within the difference of a calibration and a drawing.
     same: usize,
     inverse: usize,
     /// Between two of its frames, and neither.
@@ -22,7 +22,7 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Holds the claims of a file against the joints of a robot, both as `target_from_source`.
+    /// Compares the claims of a file with the joints of a robot, both as `target_from_source`.
     pub(crate) fn new<'c>(robot: &World, claims: impl IntoIterator<Item = &'c Claim>) -> Self {
         let mut fit = Self::default();
         for claim in claims.into_iter().filter(|one| one.has_rotation && one.has_translation) {

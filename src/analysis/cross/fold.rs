@@ -1,4 +1,4 @@
-//! Pairs of statements that differ for one reason: one odd source among several that agree.
+//! Pairs of statements that differ for the same reason: one source contradicts several that agree.
 //!
 //! Must not know limits of rules.
 
@@ -8,7 +8,7 @@ use crate::world::World;
 /// How many differences about two frames later ones are compared with.
 const MOST_TOLD: usize = 256;
 
-/// An odd source differs from each of those that agree: only the first of such pairs speaks, and the others second it.
+/// A wrong source differs from each of those that agree: only the first of such pairs is reported, and names the others.
 /// `earlier` are the pairs before this one about the same two frames.
 pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
     if is_same(&pair.reference, &pair.other, false) {
@@ -23,7 +23,7 @@ pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
                 || same(&told.reference, &pair.other) && same(&told.other, &pair.reference))
     });
     let Some(told) = told else { return };
-    pair.repeats = Some(format!("the same difference as {}", told.subject(world)));
+    pair.repeats = Some(format!("the same difference as in {}", told.subject(world)));
     let turned = told.reference.target != pair.reference.target;
     for statement in [&pair.reference, &pair.other] {
         let with_other = is_same(&told.other, statement, turned);
@@ -37,7 +37,7 @@ pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
     }
 }
 
-/// Whether two statements are one transform, up to what printing leaves of it; `turned`: `b` is in the other direction.
+/// Whether two statements are the same transform, up to rounding; `turned`: `b` is in the other direction.
 fn is_same(a: &Statement, b: &Statement, turned: bool) -> bool {
     const ANGLE_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
     const DISTANCE_M: f64 = 0.001;

@@ -1,9 +1,9 @@
-//! Rotations and translations that a source states apart.
+//! Rotations and translations that a source states separately.
 
 use crate::analysis::cross::pair::Statement;
 use crate::math::rotation;
 
-/// A rotation and a translation of one pair that a source states apart, perhaps one of them the other way round, speak as one statement.
+/// Joins a rotation and a translation that a source states separately for one pair of frames; one of them may be in the other direction.
 pub(crate) fn join_halves(statements: &mut Vec<Statement>) {
     let mut index = 0;
     while let Some(turn) = statements.get(index) {

@@ -1,4 +1,4 @@
-//! The mounting that the motion of scans and of the body gives.
+//! The mounting transform that the motions of scans and body determine.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -38,7 +38,7 @@ pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEv
         .sum();
     if turned_deg < limits.min_turned_deg {
         let why = format!(
-            "it turned by {turned_deg:.0} deg in {} pairs of scans: where on the body it is shows in turns alone; {} are needed",
+            "it turned by {turned_deg:.0} deg in {} pairs of scans; {} are needed: only turns determine the position on the body",
             sure(known, limits).count(),
             limits.min_turned_deg
         );
@@ -48,7 +48,7 @@ pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEv
     let [yaw, x, y] = found.sigma;
     if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
         let why = format!(
-            "yaw and place are determined to {:.2} deg and {:.2} m; {} and {} are needed",
+            "yaw and position are determined to {:.2} deg and {:.2} m; {} and {} are needed: record more turns",
             yaw.to_degrees(),
             x.hypot(y),
             limits.sure_yaw_deg,
@@ -66,15 +66,19 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
     let flat: Vec<_> = sure(known, limits)
         .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
         .collect();
-    let mut found =
-        mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
+    let mut found = mounted(&flat).ok_or_else(|| {
+        little(format!(
+            "{} pairs of scans do not determine the mounting: record more turns",
+            flat.len()
+        ))
+    })?;
     if (found.scale - 1.0).abs() > limits.max_scale {
         return Err(little(format!(
-            "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
+            "{} moves {:.2} m for each metre of the scans: their scales differ",
             known.poses.0, found.scale
         )));
     }
-    // What all matches have in common no group of them shows.
+    // The spread of the groups does not show an error that all matches share.
     let ways: Vec<f64> = flat.iter().map(|(_, lidar)| lidar.translation.vector.norm()).collect();
     let way_m = median(&ways).unwrap_or_default();
     let [yaw, ..] = &mut found.sigma;
@@ -82,7 +86,7 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
     Ok(found)
 }
 
-/// The mounting with the yaw and the place that the scans show, and the rest as it is told.
+/// The mounting with the yaw and the position that the scans show, and the rest as stated.
 pub(crate) fn at_place(known: &HandEye, found: &Mounted) -> Isometry3<f64> {
     let place = Translation3::new(found.place.x, found.place.y, known.told.translation.z);
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), found.yaw_rad);

@@ -6,7 +6,7 @@ use crate::math::relation::{Classification, Tolerance, classify, classify_rotati
 use crate::source::{Confidence, Place};
 use crate::world::{FrameId, World};
 
-/// How far a source is trusted to be the one that is right, when two disagree: descriptions before files.
+/// Which source is taken as the reference when two disagree: descriptions before files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
     Urdf,
@@ -20,11 +20,11 @@ pub(super) enum Rank {
 pub(crate) enum Direction {
     /// As it was stated.
     AsStated,
-    /// It was stated as `source_from_target`.
+    /// It was stated as `source_from_target`, and inverted.
     TurnedRound,
 }
 
-/// One source's word on `target_from_source`, of a rigid pair.
+/// `target_from_source` of a rigid pair, as one source states it.
 #[derive(Clone, Debug)]
 pub(crate) struct Statement {
     /// Target (parent) frame, canonical.
@@ -37,33 +37,33 @@ pub(crate) struct Statement {
     pub(crate) has_rotation: bool,
     /// Whether a translation was stated.
     pub(crate) has_translation: bool,
-    /// Who says so, in words.
+    /// The name of the statement in messages.
     pub(crate) who: String,
     /// Where.
     pub(crate) place: Place,
     /// How sure the reading of the statement is.
     pub(crate) reading: Confidence,
-    /// The key or joint it stands under.
+    /// Its key or joint.
     pub(crate) label: String,
-    /// The angles it is spelled in, radians as read.
+    /// Its angles where it is written with angles, radians as read.
     pub(crate) rpy: Option<[f64; 3]>,
-    /// Whether `pose` is as stated.
+    /// Whether `pose` is as stated or inverted.
     pub(crate) direction: Direction,
     pub(super) rank: Rank,
     pub(super) bare_quaternion: bool,
-    /// What the source itself calls the two frames.
+    /// The names of the two frames in the source.
     pub(crate) called: (FrameId, FrameId),
-    /// The dialect whose names for its sensors (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
+    /// The dialect whose sensor names (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
     pub(super) roles: Option<String>,
 }
 
 impl Statement {
-    /// Whether it was spelled as a quaternion.
+    /// Whether it is written as a quaternion.
     pub(crate) fn is_bare_quaternion(&self) -> bool {
         self.bare_quaternion
     }
 
-    /// Whether its frames are a program's words for its sensors.
+    /// Whether its frames are a program's names for its sensors.
     pub(crate) fn is_guess(&self) -> bool {
         self.roles.is_some()
     }
@@ -79,11 +79,11 @@ impl Statement {
 pub(crate) struct Pair {
     /// The statement taken for the reference.
     pub(crate) reference: Statement,
-    /// The statement held against it, turned to the reference's direction where it was stated the other way round.
+    /// The statement compared with it, inverted where it was stated in the other direction.
     pub(crate) other: Statement,
-    /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
+    /// Whether the two have the same key in two files of one folder: perhaps alternatives, no contradiction.
     pub(crate) alternatives: bool,
-    /// Why it says nothing new, where an earlier pair is of the same two transforms: other sources repeat what these say.
+    /// Why it adds nothing, where an earlier pair has the same two transforms from other sources.
     pub(crate) repeats: Option<String>,
     /// Statements that agree with the first of the two (`false`) or with the second (`true`).
     pub(crate) seconded_by: Vec<(bool, Place, String)>,
@@ -106,26 +106,46 @@ impl Pair {
         self.reading_with(Confidence::Hint)
     }
 
-    /// The same, where the names of a program's sensors are as sure as this. That two files mean one sensor by `lidar` is a guess, unless
-    /// their numbers tell.
+    /// The same, where the names of a program's sensors are as sure as this. That two files mean the same sensor by `lidar` is a guess
+    /// unless their numbers show it.
     pub(crate) fn reading_with(&self, roles: Confidence) -> Confidence {
         let most = if self.is_by_role() { roles } else { Confidence::Certain };
         self.reference.reading.min(self.other.reading).min(most)
     }
 
-    /// Whether only a program's words for its sensors say that both speak of the same frames.
+    /// Whether both are taken to be about the same frames only because of a program's names for its sensors.
     pub(crate) fn is_by_role(&self) -> bool {
         let (a, b) = (&self.reference, &self.other);
         (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source
     }
 
-    /// Which names were taken for which: `` `body` and `cam0` for `imu` and `camera` ``.
-    pub(crate) fn taken(&self) -> String {
-        let names = |one: &Statement| format!("`{}` and `{}`", one.called.0, one.called.1);
-        format!("{} for {}", names(&self.other), names(&self.reference))
+    /// What both are called in a headline, the other one first; with their files where the names are equal.
+    pub(crate) fn names(&self, world: &World) -> [String; 2] {
+        let is_same = self.other.who == self.reference.who;
+        [&self.other, &self.reference].map(|one| {
+            if is_same {
+                format!("{} of `{}`", one.who, world.path(one.place.source))
+            } else {
+                one.who.clone()
+            }
+        })
     }
 
-    /// The same pair in the other direction. `None` where one of the two states a half, which cannot be turned.
+    /// The sentence that says which transform both state.
+    pub(crate) fn frames_stated(&self) -> String {
+        format!(
+            "Both state the transform `{}` from `{}`.",
+            self.reference.target, self.reference.source_frame
+        )
+    }
+
+    /// Which names were identified: `` `body` and `cam0` are `imu` and `camera` ``.
+    pub(crate) fn taken(&self) -> String {
+        let names = |one: &Statement| format!("`{}` and `{}`", one.called.0, one.called.1);
+        format!("{} are {}", names(&self.other), names(&self.reference))
+    }
+
+    /// The same pair in the other direction. `None` where one of the two states only a rotation or a translation, which cannot be inverted.
     pub(crate) fn turned(&self) -> Option<Self> {
         let turn = |one: &Statement| {
             (one.has_rotation && one.has_translation).then(|| Statement {
@@ -151,7 +171,7 @@ impl Pair {
         })
     }
 
-    /// Takes the other statement for the reference.
+    /// Exchanges the reference and the other statement.
     pub(crate) fn swap(&mut self) {
         std::mem::swap(&mut self.reference, &mut self.other);
         for (with_other, ..) in &mut self.seconded_by {
@@ -174,5 +194,5 @@ impl Pair {
     }
 }
 
-/// Behind who states a transform the other way round than it is compared.
-pub(super) const TURNED: &str = " (the other way round)";
+/// Behind the name of a statement that was inverted to be compared.
+pub(super) const TURNED: &str = " (inverted)";

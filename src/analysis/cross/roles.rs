@@ -1,7 +1,7 @@
-//! What programs call their sensors, brought to one word for each: `body` of a visual-inertial program is its IMU, `velo` a lidar, `camera` and
+//! Programs' names for their sensors, mapped to one name each: `body` of a visual-inertial program is its IMU, `velo` a lidar, `camera` and
 //! ORB-SLAM's `cam1` the first camera.
 //!
-//! That two programs mean one sensor stays a guess: whoever compares such names says so.
+//! That two programs mean the same sensor stays a guess: users of such names must say so.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use crate::world::{FrameId, World};
 
 /// Dialects whose files name the platform's frames.
 const OWN_NAMES: [&str; 4] = ["generic", "autoware", "easy-handeye", "static_transform_publisher"];
-/// Dialects whose `body` is something else than the IMU.
+/// Dialects whose `body` is not the IMU.
 const OTHER_BODIES: [&str; 2] = ["ouster", "kalibr-imu"];
 
-/// The one word for what a dialect calls a sensor, in the file at `path`. A name that the platform has itself stays.
+/// The common name of a sensor that a dialect calls `name`, in the file at `path`. The name of a frame of the robot stays.
 pub(crate) fn role(world: &World, dialect: &str, path: &str, name: &FrameId) -> FrameId {
     if OWN_NAMES.contains(&dialect) || world.graph().frames.contains(&name.canonical()) {
         return name.canonical();
@@ -33,7 +33,7 @@ pub(crate) fn role(world: &World, dialect: &str, path: &str, name: &FrameId) -> 
     }
 }
 
-/// Which sensor a file of EuRoC's form is of: its folder is called so (`cam0/sensor.yaml`), or Kimera's file (`LeftCameraParams.yaml`).
+/// The sensor of a file of EuRoC's form: by its folder (`cam0/sensor.yaml`), or by Kimera's file name (`LeftCameraParams.yaml`).
 fn of_file(path: &str) -> Option<FrameId> {
     let path = Path::new(path);
     let file = FrameId::new(path.file_stem()?.to_string_lossy().into_owned());

@@ -1,8 +1,8 @@
-//! Statements about rigid transforms, brought into pairs that speak of the same two frames.
+//! Statements about rigid transforms, in pairs about the same two frames.
 //!
-//! Owns which sources may be compared with which. Alternatives are not disagreements: two URDF files, or the same key
-//! in the files of two devices, state different robots, so only a recording's own description is held against a file.
-//! Rules that judge one source alone take what others say from [`crate::analysis::pairs`].
+//! Owns which sources may be compared. Alternatives are no contradictions: two URDF files, or the same key
+//! in the files of two devices, state different robots, so only a recording's own description is compared with a file.
+//! Rules that judge one source alone take other statements from [`crate::analysis::pairs`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -15,13 +15,13 @@ use crate::verdict::Judge;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
 
-/// How many statements of two frames in one folder are each compared with each; of more, each with the first ones and those of like length.
+/// Up to this many statements of two frames in one folder are each compared with each; of more, each with the first ones and those of similar length.
 const MOST_EACH_WITH_EACH: usize = 64;
 /// How many of either kind these are: the time that it takes follows the number of statements.
 const MOST_REFERENCES: usize = 4;
 
-/// The pairs of statements of a world that are held against each other, in a fixed order. Where not each is held against each, that is
-/// reported as not evaluated.
+/// The pairs of statements of a world that are compared, in a fixed order. Where not all pairs are compared, that is reported as not
+/// evaluated.
 pub(crate) fn pairs(world: &World, out: &mut Judge) -> Vec<Pair> {
     let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
     for statement in statements(world) {
@@ -55,7 +55,7 @@ pub(crate) fn pairs(world: &World, out: &mut Judge) -> Vec<Pair> {
     pairs
 }
 
-/// Which statements of two frames are held against each other, by their numbers.
+/// Which statements of two frames are compared, by their numbers.
 ///
 /// Files are compared within a folder; descriptions, recordings and launch files with all others.
 fn each_with_each(
@@ -97,8 +97,8 @@ fn each_with_each(
                 format!("in files of `{}`", folder.display())
             });
             let why = format!(
-                "{} statements are more than {MOST_EACH_WITH_EACH}: each was compared with the first {MOST_REFERENCES} of them and the \
-                 {MOST_REFERENCES} that are nearest in length, not with all. Check fewer files in one run",
+                "of {} statements (more than {MOST_EACH_WITH_EACH}) each was only compared with the first {MOST_REFERENCES} and the \
+                 {MOST_REFERENCES} nearest in length: check fewer files in one run",
                 group.len()
             );
             let (target, source) = (&first.target, &first.source_frame);
@@ -109,7 +109,7 @@ fn each_with_each(
     compared
 }
 
-/// Pairs of statements that differ, and whose translations are nearly as long: a convention error leaves the length as it is.
+/// Pairs of statements that differ, and whose translations have nearly the same length: convention errors keep the length.
 fn of_one_length(statements: &[Statement], group: &[usize]) -> Vec<(usize, usize)> {
     let of_group = group
         .iter()
@@ -132,7 +132,7 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
     let comparable = comparable(world, reference, other)?;
     let turned = reference.target != other.target;
     if turned && !(other.has_rotation && other.has_translation) {
-        // Half a transform can't be turned round.
+        // A rotation or a translation alone can't be inverted.
         return None;
     }
     let both_rotations = reference.has_rotation && other.has_rotation;
@@ -204,7 +204,7 @@ fn is_letter(frame: &FrameId) -> bool {
     frame.as_str().chars().count() == 1
 }
 
-/// Every word on a rigid pair.
+/// All statements about rigid pairs.
 pub(crate) fn statements(world: &World) -> Vec<Statement> {
     let files = world.claims.iter().filter_map(|claim| from_claim(world, claim));
     let edges = world
@@ -258,7 +258,7 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
     if target == source_frame {
         return None;
     }
-    // A name that was brought to another word is as much a guess as a role.
+    // A name that was mapped to another one is a guess, as a role is.
     let is_guessed = (&target, &source_frame) != (&stated.0, &stated.1);
     let (rank, who) = match &claim.kind {
         ClaimKind::Joint { joint, .. } => (joint_rank(world, claim.place.source), format!("joint `{joint}`")),
@@ -296,7 +296,7 @@ fn joint_rank(world: &World, id: SourceId) -> Rank {
     }
 }
 
-/// Where a description reaches both frames only over other frames, its composed chain speaks as one more statement.
+/// Where a description connects both frames only over other frames, its composed chain is one more statement.
 fn add_chains(world: &World, statements: &mut Vec<Statement>) {
     let Some(first) = statements.iter().find(|s| s.rank == Rank::File || s.rank == Rank::Tf) else {
         return;
@@ -309,7 +309,7 @@ fn add_chains(world: &World, statements: &mut Vec<Statement>) {
     }
 }
 
-/// What a description, or TF, says of two frames over any others.
+/// The transform that a description, or TF, composes between two frames.
 pub(crate) fn described(world: &World, target: &FrameId, source_frame: &FrameId) -> Option<Statement> {
     let mut ranks = [Rank::Urdf, Rank::Description, Rank::Tf].into_iter();
     ranks.find_map(|rank| chain_of(world, rank, target, source_frame))

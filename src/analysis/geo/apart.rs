@@ -1,4 +1,4 @@
-//! How far two origins lie apart, and words for it.
+//! How far apart two origins are, and words for it.
 //!
 //! Must not judge.
 
@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 
 use crate::world::LocalOrigin;
 
-/// Beyond it east, north and up say nothing, metres.
+/// Beyond it east, north and up are meaningless, metres.
 const FAR_M: f64 = 1e5;
 
-/// East, north and up from one to the other, metres; without up where one of them says no height.
+/// East, north and up from one to the other, metres; without up where one of them states no height.
 pub(crate) fn between(from: &LocalOrigin, to: &LocalOrigin) -> Vector3<f64> {
     let (mut from_at, mut to_at) = (from.at, to.at);
     if from.has_height && to.has_height {
@@ -17,7 +17,7 @@ pub(crate) fn between(from: &LocalOrigin, to: &LocalOrigin) -> Vector3<f64> {
     }
     (from_at.height_m, to_at.height_m) = (0.0, 0.0);
     let enu = from_at.enu_of(&to_at);
-    // Of places around the Earth the plane hides how far away they are.
+    // The tangent plane hides how far apart places around the Earth are.
     if enu.xy().norm() > FAR_M {
         to_at.to_ecef() - from_at.to_ecef()
     } else {
@@ -39,10 +39,10 @@ pub(crate) fn told(origin: &LocalOrigin) -> String {
     format!("{latitude:.7}, {longitude:.7}{height}")
 }
 
-/// The way from one to the other, where they are near.
+/// The offset from one to the other, where they are near.
 pub(crate) fn direction(apart: &Vector3<f64>) -> String {
     if apart.norm() > FAR_M {
         return String::new();
     }
-    format!(" (east {:+.2}, north {:+.2}, up {:+.2})", apart.x, apart.y, apart.z)
+    format!(" (east {:+.2}, north {:+.2}, up {:+.2} m)", apart.x, apart.y, apart.z)
 }

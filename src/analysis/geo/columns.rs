@@ -31,8 +31,8 @@ pub(crate) struct Column {
     pub(crate) reading: Confidence,
 }
 
-/// The columns of a recording and of the files by their frame; frames that say nothing of where things are on the Earth
-/// are left out.
+/// The columns of a recording and of the files by their frame; frames that are no world frames and hold local positions alone are
+/// left out.
 pub(crate) fn columns(
     world: &World,
     of: Option<(&BagEvidence, &BagMotion)>,
@@ -42,8 +42,8 @@ pub(crate) fn columns(
     let fixes = of.map(|(_, motion)| middles(motion)).unwrap_or_default();
     let mut add = |frame: &FrameId, child: Option<&FrameId>, made: Option<Column>| {
         let Some(column) = made else { return };
-        // The origin of one map in another may lie anywhere, and says nothing of what is expressed in either.
-        // The Earth's centre lies 6370 km from every map: GEO02 judges how a map lies on the Earth.
+        // The origin of one map in another may be anywhere, and does not show how positions are expressed in either.
+        // The Earth's centre is 6370 km from every map: GEO02 judges the pose of a map on the Earth.
         if child.is_some_and(is_earth) {
             return;
         }
@@ -55,7 +55,7 @@ pub(crate) fn columns(
     if let Some((bag, motion)) = of {
         for poses in &motion.poses {
             let positions: Vec<Vector3<f64>> = poses.rows().map(|timed| timed.row.position.into()).collect();
-            // An origin told on a topic holds degrees by design.
+            // An origin on a topic holds degrees by design.
             let is_origin = FrameId::new(poses.topic.as_str()).has_token("origin");
             if let Some(frame) = poses.frame.as_ref().filter(|_| !is_origin) {
                 let made = column(poses.subject.clone(), poses.place(), &positions, &fixes, limits);
@@ -98,7 +98,7 @@ pub(crate) fn columns(
     all
 }
 
-/// A column; `None` where nothing but zeros is told.
+/// A column; `None` where all positions are zero.
 fn column(
     subject: String,
     place: Place,

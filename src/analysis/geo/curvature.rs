@@ -16,12 +16,12 @@ pub(crate) struct Curvature {
 }
 
 impl Curvature {
-    /// Measures it; `origin` is where the plane touches. `None` where the receiver gives no altitude, or everything lies
+    /// Measures it; `origin` is where the plane touches. `None` where the receiver gives no altitude, or everything is
     /// equally far from the origin.
     pub(crate) fn of(overlay: &Overlay, origin: &Geodetic) -> Option<Self> {
         let pair = |both: &crate::analysis::geo::overlay::Both| {
             let climb = both.climb_m?;
-            // Under the plane by d^2 / 2R, against what the poses lie under their altitude.
+            // Below the plane by d^2 / 2R, compared with how far the poses are below their altitude.
             Some((origin.enu_of(&both.fix).z - climb, both.place_m.z - climb))
         };
         let pairs: Vec<(f64, f64)> = overlay.both.iter().filter_map(pair).collect();
@@ -48,7 +48,7 @@ impl Curvature {
     }
 }
 
-/// What the heights follow, as far as it can be told.
+/// What the heights follow, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Follows {
     /// The height over a plane.

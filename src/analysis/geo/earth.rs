@@ -1,4 +1,4 @@
-//! What files and TF say of the pose of a local frame in the Earth's.
+//! The poses of local frames in the Earth's frame, as files and TF state them.
 //!
 //! Owns which frames are the Earth and which are local. Must not judge.
 
@@ -82,7 +82,7 @@ impl OnEarth {
         })
     }
 
-    /// Whether the frame stands still on the Earth, by its name: one that drives along need not be level.
+    /// Whether the frame is fixed to the Earth, by its name: one that moves need not be level.
     pub(crate) fn is_local(&self) -> bool {
         names::is_world(&self.local) || names::has_word(&self.local, LOCALS)
     }

@@ -1,4 +1,4 @@
-//! What a stated position may mean besides degrees, and what other receivers say.
+//! What a stated position may be other than degrees, and what other receivers state.
 //!
 //! Must not report.
 
@@ -46,14 +46,14 @@ pub(crate) fn others<'w>(world: &'w World, fixes: &FixEvidence) -> Vec<(&'w str,
         .collect()
 }
 
-/// A way to misread a position.
+/// A way in which a position was published wrongly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reading {
-    /// What was done, for a sentence.
+    /// What is wrong, for a sentence.
     pub(crate) words: &'static str,
     /// The word of the relation.
     pub(crate) relation: &'static str,
-    /// What is meant.
+    /// The position that was intended.
     pub(crate) meant: Position,
 }
 
@@ -64,7 +64,7 @@ fn is_in_range((latitude, longitude): Position) -> bool {
     latitude.abs() <= 90.0 && longitude.abs() <= 180.0
 }
 
-/// Ways to misread a position, with what it would be.
+/// Ways in which a position may be published wrongly, with the intended position.
 fn readings((latitude, longitude): Position) -> Vec<Reading> {
     let reading = |relation, words, meant| Reading { words, relation, meant };
     let mut found = vec![reading(
@@ -74,15 +74,15 @@ fn readings((latitude, longitude): Position) -> Vec<Reading> {
     )];
     if latitude.abs() <= std::f64::consts::FRAC_PI_2 && longitude.abs() <= std::f64::consts::PI {
         let degrees = (latitude.to_degrees(), longitude.to_degrees());
-        found.push(reading(RADIANS, "radians were taken for degrees", degrees));
+        found.push(reading(RADIANS, "radians are published as degrees", degrees));
     }
     let scaled = (latitude / 1e7, longitude / 1e7);
-    found.push(reading(E7, "units of 1e-7 degrees were taken for degrees", scaled));
+    found.push(reading(E7, "1e-7 deg units are published as degrees", scaled));
     found.retain(|reading| is_in_range(reading.meant));
     found
 }
 
-/// What a position out of range may have been meant for.
+/// What a position out of range probably is.
 pub(crate) fn meant(fix: &FixAt, limits: &Limits) -> Option<Reading> {
     let (latitude, longitude) = (fix.latitude_deg, fix.longitude_deg);
     if is_in_range((latitude, longitude)) {
@@ -93,8 +93,8 @@ pub(crate) fn meant(fix: &FixAt, limits: &Limits) -> Option<Reading> {
     all.find(|reading| (reading.relation == E7) == scaled)
 }
 
-/// The way to read a position that makes it agree with another receiver's; or radians, where the position lies in the
-/// sea beside the origin, which no other receiver confirms.
+/// The way to read a position that makes it agree with another receiver's; or radians, where the position is near 0, 0 and no
+/// other receiver confirms it.
 pub(crate) fn misread<'o>(
     position: Position,
     others: &[(&'o str, Position)],
@@ -141,11 +141,11 @@ mod tests {
                 .map(|reading| reading.words)
                 .collect::<Vec<_>>()
         };
-        assert!(words((0.84, 0.19)).contains(&"radians were taken for degrees"));
-        assert!(!words((48.0, 11.0)).contains(&"radians were taken for degrees"));
+        assert!(words((0.84, 0.19)).contains(&"radians are published as degrees"));
+        assert!(!words((48.0, 11.0)).contains(&"radians are published as degrees"));
         assert_eq!(
             words((481_234_567.0, 115_678_901.0)),
-            ["units of 1e-7 degrees were taken for degrees"]
+            ["1e-7 deg units are published as degrees"]
         );
         assert!(!words((48.0, 130.0)).contains(&"latitude and longitude are swapped"));
         assert!(near((48.0, 11.0), (48.5, 11.9), 1.0) && !near((48.0, 11.0), (11.0, 48.0), 1.0));

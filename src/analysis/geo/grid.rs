@@ -1,4 +1,4 @@
-//! Which of east-north-up and the UTM grids a track lies on.
+//! Whether a track is expressed in east, north, up or on a UTM grid.
 //!
 //! Must not judge.
 
@@ -13,7 +13,7 @@ use crate::math::{circular::difference, stats::median};
 /// leading digits.
 const SQUARE_M: f64 = 100_000.0;
 
-/// A track against east and north.
+/// A track compared with east and north.
 #[derive(Clone, Debug)]
 pub(crate) struct Laid {
     /// What takes east and north to x and y.
@@ -24,7 +24,7 @@ pub(crate) struct Laid {
     pub(crate) grids: Vec<Grid>,
 }
 
-/// A grid against east and north, over the same fixes.
+/// A grid compared with east and north, over the same fixes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     /// The zone.
@@ -38,7 +38,7 @@ pub(crate) struct Grid {
 }
 
 impl Laid {
-    /// Lays poses over fixes; `None` where the fixes are in no zone or do not spread.
+    /// Fits poses to fixes; `None` where the fixes are in no zone or do not spread.
     pub(crate) fn of(overlay: &Overlay, blocks: usize) -> Option<Self> {
         let (enu, xy) = overlay.planes();
         let own = zone(&overlay.both.first()?.fix)?;
@@ -51,7 +51,7 @@ impl Laid {
         })
     }
 
-    /// The angle of the track against the grid's, and of its scale.
+    /// The angle of the track minus that of the grid, and the same of their scales.
     pub(crate) fn beside(&self, grid: &Grid) -> (f64, f64) {
         (
             difference(self.fit.angle_rad, grid.fit.angle_rad),

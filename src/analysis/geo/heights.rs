@@ -16,13 +16,13 @@ use crate::world::{FrameId, World};
 /// What a height is counted from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Datum {
-    /// The ellipsoid, as the sentence itself gives mean sea level and how high that is.
+    /// The ellipsoid: the sentence itself states the height above mean sea level and the geoid separation.
     Known,
     /// The ellipsoid, by the definition of the message.
     Claimed,
     /// The ellipsoid, by the frames `earth` and `map`: right if the origin of the map is.
     Map,
-    /// Nobody says.
+    /// Not stated.
     Unknown,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Heights {
     pub(crate) subject: String,
     pub(crate) place: Place,
     pub(crate) datum: Datum,
-    /// What it states of its error, one standard deviation, metres.
+    /// The standard deviation that it states, metres.
     pub(crate) sd_m: Option<f64>,
     /// Where the first height is; `None` where that is no place on Earth.
     first: Option<Geodetic>,
@@ -48,7 +48,7 @@ pub(crate) struct Apart {
     pub(crate) median_m: f64,
     /// Median absolute deviation from that, metres.
     pub(crate) spread_m: f64,
-    /// How far the two places are from each other to the side, the median, metres.
+    /// The horizontal distance of the two places, the median, metres.
     pub(crate) aside_m: f64,
     pub(crate) samples: usize,
 }
@@ -57,7 +57,7 @@ pub(crate) struct Apart {
 const MAX_STEP_S: f64 = 5.0;
 
 impl Heights {
-    /// Every height of a recording, what is known best first.
+    /// Every height of a recording, the best known datum first.
     pub(crate) fn all(world: &World, bag: &BagMotion, limits: &Limits) -> Vec<Self> {
         let is_nmea = |fixes: &&Stream<FixRow>| bag.nmea.iter().any(|nmea| nmea.subject == fixes.subject);
         let sentences = bag.nmea.iter().filter_map(|stream| Self::of_sentences(stream, limits));
@@ -89,7 +89,7 @@ impl Heights {
         })
     }
 
-    /// How far two places near the first one are from each other to the side, metres; NaN where there is no such place.
+    /// The horizontal distance of two places near the first one, metres; NaN where there is no such place.
     fn aside_m(&self, here: &Vector3<f64>, there: &Vector3<f64>) -> f64 {
         let [north_rad, east_rad] = [here.x - there.x, here.y - there.y].map(f64::to_radians);
         self.first.as_ref().map_or(f64::NAN, |first| {
@@ -147,8 +147,8 @@ impl Heights {
         })
     }
 
-    /// Mean sea level, and how high that is by the receiver, which must be near to the truth; a receiver that does not say it
-    /// is taken at its word that the height is above mean sea level.
+    /// Height above mean sea level plus the geoid separation by the receiver, which must be near the model's. Where the receiver
+    /// states no separation, the height counts as above mean sea level, as the sentence defines it.
     fn of_sentences(stream: &Stream<NmeaRow>, limits: &Limits) -> Option<Self> {
         let placed = stream.rows().find(|timed| timed.row.latitude_deg.is_finite())?;
         let place = Geodetic::from_degrees(placed.row.latitude_deg, placed.row.longitude_deg, 0.0)?;
@@ -164,7 +164,7 @@ impl Heights {
         })
     }
 
-    /// Poses of the platform in a frame that hangs rigidly in `earth`.
+    /// Poses of the platform in a frame that is rigidly connected to `earth`.
     fn of_poses(world: &World, stream: &Stream<PoseRow>) -> Option<Self> {
         let frame = stream.frame.as_ref()?;
         // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer expressed in it.
@@ -203,8 +203,8 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// From how far above the ellipsoid on mean sea level can be told from it by the difference of two heights, metres. Two of one
-    /// receiver have one error.
+    /// The least undulation at which the difference of two heights distinguishes mean sea level from the ellipsoid, metres. Two
+    /// heights of one receiver have one error.
     pub(crate) fn needed_m(&self, heights: &Heights, other: &Heights, apart: Apart) -> f64 {
         if apart.aside_m <= self.same_m {
             return self.min_undulation_m;

@@ -1,4 +1,4 @@
-//! What kind of coordinates positions are, by their size and by fixes beside them.
+//! What kind of coordinates positions are, by their size and by the fixes of the recording.
 //!
 //! Owns the ranges of the kinds. Must not judge.
 
@@ -30,8 +30,8 @@ impl Kind {
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Local => "local metres",
-            Self::EarthCentred => "metres from the Earth's centre",
-            Self::Utm => "eastings and northings of the UTM grid",
+            Self::EarthCentred => "Earth-centred metres (ECEF)",
+            Self::Utm => "UTM eastings and northings",
             Self::LatitudeFirst => "latitude and longitude in degrees",
             Self::LongitudeFirst => "longitude and latitude in degrees",
             Self::Far => "far away",
@@ -44,7 +44,7 @@ impl Kind {
     }
 }
 
-/// The kind of a position in the middle of others, and whether a fix in the middle of its track confirms it.
+/// The kind of a median position, and whether the median of the fixes confirms it.
 pub(crate) fn kind(middle: &Vector3<f64>, fix: Option<&Geodetic>, limits: &Limits) -> (Kind, bool) {
     if let Some(fix) = fix {
         if let Some(angle) = angle(middle, fix, limits) {
@@ -78,7 +78,7 @@ pub(crate) fn kind(middle: &Vector3<f64>, fix: Option<&Geodetic>, limits: &Limit
     (kind, false)
 }
 
-/// Whether a position is in metres from the Earth's centre, by its size: x and y of such positions lie in no level plane.
+/// Whether a position is in metres from the Earth's centre, by its size: x and y of such positions span no level plane.
 pub(crate) fn is_earth_centred(position_m: &Vector3<f64>, limits: &Limits) -> bool {
     kind(position_m, None, limits).0 == Kind::EarthCentred
 }
@@ -86,7 +86,7 @@ pub(crate) fn is_earth_centred(position_m: &Vector3<f64>, limits: &Limits) -> bo
 /// Degrees, where the position holds those of the fix.
 fn angle(middle: &Vector3<f64>, fix: &Geodetic, limits: &Limits) -> Option<Kind> {
     let (latitude, longitude) = (fix.latitude_rad.to_degrees(), fix.longitude_rad.to_degrees());
-    // Near 0, 0 metres and degrees are both nothing.
+    // Near 0, 0 metres and degrees cannot be distinguished.
     if latitude.abs().max(longitude.abs()) < limits.least_deg {
         return None;
     }
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn sizes_tell_kinds_apart_without_fixes() {
         assert_eq!(of(-120.0, 900.0, 3.0, None), (Kind::Local, false));
-        // Autoware's sample map lies here, in a square of the military grid.
+        // Autoware's sample map is here, in a square of the military grid.
         assert_eq!(of(89_571.0, 42_301.0, 40.0, None), (Kind::Local, false));
         assert_eq!(
             of(4_197_489.0, 815_909.0, 4_717_247.0, None),

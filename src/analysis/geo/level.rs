@@ -1,4 +1,4 @@
-//! How a local frame stands at its own origin on the Earth.
+//! The attitude of a local frame at its own origin on the Earth.
 //!
 //! Must not judge.
 
@@ -15,17 +15,17 @@ pub(crate) struct Seen<'s> {
     pub(crate) place: &'s Place,
     /// Its origin.
     pub(crate) origin: Geodetic,
-    /// `earth_from_local` with the axes east, north, up: those of a frame that says north, east, down are changed.
+    /// `earth_from_local` with the axes east, north, up: those of a frame called NED are exchanged.
     pub(crate) rotation: Rotation3<f64>,
     /// The angle between its z axis and up.
     pub(crate) tilt_deg: f64,
     /// The angle of its x axis from east towards north.
     pub(crate) yaw_deg: f64,
-    /// Whether the transform was stated the other way round.
+    /// Whether the stated transform is the inverse.
     pub(crate) is_inverse: bool,
 }
 
-/// The pose of a local frame, where its origin lies on the Earth.
+/// The pose of a local frame, where its origin is on the Earth.
 pub(crate) fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>, limits: &Limits) -> Option<Seen<'s>> {
     let of = |pose: &Isometry3<f64>, is_inverse| {
         let origin = Geodetic::from_ecef(&pose.translation.vector)?;
@@ -43,15 +43,15 @@ pub(crate) fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>,
             is_inverse,
         })
     };
-    // Seen from a place on the Earth its centre lies straight down: the inverse of a right transform has its origin at
-    // the south pole, to 21 km.
+    // Seen from a place on the Earth its centre is straight down: the inverse of a correct transform has its origin at the south
+    // pole, to 21 km.
     let t = pose.translation.vector;
     let at_pole = t.z < 0.0 && t.x.hypot(t.y) <= limits.pole_m;
     let inverse = of(&pose.inverse(), true).filter(|seen| at_pole && seen.tilt_deg <= limits.warning_deg);
     inverse.or_else(|| of(pose, false))
 }
 
-/// The right `earth_from_local`, `[x, y, z, w]`.
+/// The correct `earth_from_local`, `[x, y, z, w]`.
 pub(crate) fn expected(origin: &Geodetic, is_ned: bool) -> [f64; 4] {
     let enu = origin.enu_from_ecef().inverse();
     let rotation = if is_ned { enu * ned_enu() } else { enu };

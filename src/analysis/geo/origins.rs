@@ -1,4 +1,4 @@
-//! Everything that says where the origin of a local frame lies on the Earth.
+//! Everything that states where the origin of a local frame is on the Earth.
 //!
 //! Must not judge.
 
@@ -41,14 +41,14 @@ pub(crate) fn of_bags(world: &Estimates, limits: &Limits) -> Vec<LocalOrigin> {
     for (bag, streams) in world.bags.iter().zip(&motion.bags) {
         all.extend(bag.topics.values().filter_map(|topic| of_topic(bag, topic)));
         all.extend(streams.poses.iter().filter_map(|poses| of_local_xy(bag.source, poses)));
-        // One for each drive: what is wrong with an origin is wrong with all tracks of it.
+        // One for each drive: a wrong origin is wrong for all of its tracks.
         let tracks = of_tracks(world, bag.source, streams, limits);
         all.extend(tracks.min_by(|a, b| a.within_m.total_cmp(&b.within_m)));
     }
     all
 }
 
-/// Of transforms those of `map`, or of the only local frame there is.
+/// The transforms of `map`, or of the only local frame there is.
 fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> Vec<LocalOrigin> {
     let is_map = |frame: &FrameId| matches!(names::standard(frame), Some((_, Standard::Map)));
     let mut stated = OnEarth::all(world);
@@ -60,7 +60,7 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
     if frames.len() > 1 {
         let names: Vec<String> = frames.iter().map(|frame| format!("`{frame}`")).collect();
         left_out.push(format!(
-            "{} have an origin each on the Earth: which is meant is not known",
+            "{} each have an origin on the Earth: call the one to compare `map`",
             names.join(" and ")
         ));
         return Vec::new();
@@ -88,7 +88,7 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
 
 fn of_file(stated: &EarthOrigin) -> Option<LocalOrigin> {
     let [latitude, longitude] = stated.latitude_longitude_deg?;
-    // An altitude of nothing at all is one that was not filled in.
+    // An altitude of exactly 0 was not filled in.
     let altitude_m = stated.altitude_m.filter(|altitude| *altitude != 0.0);
     let rounding = if stated.decimals >= ROUNDED_DECIMALS {
         DEGREE_M * 10f64.powi(-i32::try_from(stated.decimals).unwrap_or(i32::MAX))
@@ -109,13 +109,13 @@ fn of_file(stated: &EarthOrigin) -> Option<LocalOrigin> {
     })
 }
 
-/// Of places the one that is farthest from another.
+/// The place that is farthest from another.
 fn farthest(from: &Geodetic, places: impl Iterator<Item = Geodetic>) -> Option<Geodetic> {
     let distance = |place: &Geodetic| from.enu_of(place).norm();
     places.max_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Whether a topic tells an origin, by the last part of its name.
+/// Whether a topic states an origin, by the last part of its name.
 pub(crate) fn tells_origin(topic: &str) -> bool {
     let last = FrameId::new(topic.rsplit('/').next().unwrap_or(topic));
     last.has_token("origin") || last.has_token("datum")
@@ -199,8 +199,8 @@ fn of_tracks<'m>(
         })
 }
 
-/// The origin, what it is uncertain by in metres, and by how much the axes are turned with its deviation in radians; `None` for a
-/// track that does not fit or is not local.
+/// The origin, its uncertainty in metres, and the rotation of the axes with its deviation in radians; `None` for a track that does
+/// not follow the fixes or is not local.
 fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64, (f64, f64))> {
     let (enu, xy) = overlay.planes();
     let fit = overlay.fit(limits.max_scale, 1.0)?;

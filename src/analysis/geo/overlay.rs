@@ -1,4 +1,4 @@
-//! Poses and fixes of one platform at the same moments.
+//! Poses and fixes of one platform at the same times.
 //!
 //! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
 
@@ -11,45 +11,45 @@ use crate::math::{geodesy::Geodetic, stats::median};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 
-/// So many moments say where a track lies; of more every n-th is taken. Errors of receivers last for minutes.
+/// So many pairs determine where a track is; of more every n-th is taken. Errors of receivers last for minutes.
 const MAX_MOMENTS: usize = 4096;
 /// Messages of a receiver come up to this late, seconds; stamps further apart are of two clocks.
 const MAX_LATENCY_S: f64 = 1.0;
 
-/// One moment.
+/// A pose and a fix at one time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Both {
     /// Seconds after the recording's start.
     pub(crate) t_s: f64,
     /// The antenna in the frame of the poses, metres.
     pub(crate) place_m: Vector3<f64>,
-    /// Where the receiver says it is.
+    /// The position by the receiver.
     pub(crate) fix: Geodetic,
     /// The same in the tangent plane of the first fix, metres.
     pub(crate) enu_m: Vector3<f64>,
     /// The altitude over that of the first fix, metres; `None` where the receiver gives none.
     pub(crate) climb_m: Option<f64>,
-    /// What the receiver says its horizontal error to be, one deviation, metres; `None` where it says nothing.
+    /// The horizontal standard deviation that the receiver states, metres; `None` where it states none.
     pub(crate) deviation_m: Option<f64>,
 }
 
-/// All moments of a stream of poses and a receiver.
+/// All pairs of a stream of poses and a receiver.
 #[derive(Clone, Debug)]
 pub(crate) struct Overlay {
     /// The first fix: where the tangent plane of `enu_m` touches.
     pub(crate) first: Geodetic,
-    /// The moments, in the order of the fixes.
+    /// The pairs, in the order of the fixes.
     pub(crate) both: Vec<Both>,
 }
 
 impl Overlay {
-    /// Puts poses beside fixes; `None` where they have fewer than two moments in common.
+    /// Pairs poses with fixes; `None` where there are fewer than two pairs.
     pub(crate) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
         let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
         let track = arm.map_or_else(|| poses.track(), |arm| moved(poses, arm).track());
         let by_arrival = Self::at(&track, fixes, 0.0);
-        // Streams are put side by side by when they arrived. A receiver's messages come late, and its stamps say by how
-        // much, if they are of the poses' clock: the better fit tells.
+        // Streams are paired by their arrival. A receiver's messages come late, by what their stamps say if these are of the poses'
+        // clock: the better fit decides.
         let late_s = fixes.stamp_offset_s.zip(poses.stamp_offset_s).map(|(a, b)| a - b);
         let late_s = late_s.filter(|late_s| *late_s != 0.0 && late_s.abs() <= MAX_LATENCY_S);
         let by_stamp = late_s.and_then(|late_s| Self::at(&track, fixes, late_s));
@@ -59,7 +59,7 @@ impl Overlay {
             .min_by(|a, b| a.rms_m().total_cmp(&b.rms_m()))
     }
 
-    /// The moments, where the poses are read so many seconds after the fixes.
+    /// The pairs, where the poses are read so many seconds after the fixes.
     fn at(track: &Track, fixes: &Stream<FixRow>, after_s: f64) -> Option<Self> {
         let mut at = track.follow();
         let origin = fixes.rows().find_map(|timed| geodetic(&timed.row))?;
@@ -83,14 +83,14 @@ impl Overlay {
         (both.len() > 1).then_some(Self { first: origin, both })
     }
 
-    /// How far the poses lie off the fixes once turned, scaled and shifted, metres.
+    /// The residual of the poses from the fixes after rotation, scale and shift, metres.
     fn rms_m(&self) -> f64 {
         let (enu, xy) = self.planes();
         fit_similarities(&xy, &enu).map_or(f64::INFINITY, |fit| fit.proper.rms_m)
     }
 
-    /// By how much the receiver's errors may turn the track (radians) or scale it, one deviation. Such errors stay for minutes,
-    /// and one that drifts along looks like a turn: no scatter within a drive shows it. Errors that are `errors_last_s` apart
+    /// By how much the receiver's errors may rotate the track (radians) or scale it, one deviation. Such errors last for minutes,
+    /// and one that drifts along looks like a rotation: no scatter within a drive shows it. Errors that are `errors_last_s` apart
     /// are independent; `untold_m` is the deviation of a receiver that states none.
     pub(crate) fn receiver_deviation(&self, errors_last_s: f64, untold_m: f64) -> f64 {
         let told: Vec<f64> = self.both.iter().filter_map(|both| both.deviation_m).collect();
@@ -117,7 +117,7 @@ impl Overlay {
         side(|p| p.x).max(side(|p| p.y))
     }
 
-    /// The turn, scale and shift that take x and y of the poses to east and north; `None` where the poses do not follow the
+    /// The rotation, scale and shift that take x and y of the poses to east and north; `None` where the poses do not follow the
     /// fixes: another scale by more than `scale`, or residuals of more than `share` of the extent.
     pub(crate) fn fit(&self, scale: f64, share: f64) -> Option<Similarity2> {
         let (enu, xy) = self.planes();
@@ -125,19 +125,19 @@ impl Overlay {
         ((fit.scale - 1.0).abs() <= scale && fit.rms_m <= share * self.extent_m()).then_some(fit)
     }
 
-    /// Where the origin of the poses' frame lies by a fit, at the height of the first fix.
+    /// The origin of the poses' frame by a fit, at the height of the first fix.
     pub(crate) fn origin(&self, fit: &Similarity2) -> Option<Geodetic> {
         self.first.at_enu(&fit.translation_m.push(0.0))
     }
 
-    /// First and last moment, seconds after the recording's start.
+    /// First and last time, seconds after the recording's start.
     pub(crate) fn span_s(&self) -> (f64, f64) {
         let ends = self.both.first().zip(self.both.last());
         ends.map_or((f64::NAN, f64::NAN), |(first, last)| (first.t_s, last.t_s))
     }
 }
 
-/// Whether poses say where the platform is in a frame of the world: not where one such frame lies in another.
+/// Whether poses state where the platform is in a world frame, not where one such frame is in another.
 pub(crate) fn is_way(poses: &Stream<PoseRow>) -> bool {
     poses.frame.as_ref().is_some_and(names::is_world)
         && !poses.is_earth_centred()

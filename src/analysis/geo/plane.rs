@@ -14,7 +14,7 @@ pub(crate) struct Plane<'s> {
     pub(crate) local: &'s FrameId,
     /// What reports call the statement.
     pub(crate) subject: &'s str,
-    /// Where it stands.
+    /// Where it is stated.
     pub(crate) place: &'s Place,
     /// Where the plane touches.
     pub(crate) origin: Geodetic,
@@ -22,7 +22,7 @@ pub(crate) struct Plane<'s> {
     pub(crate) reach: Option<(f64, String)>,
     /// Whether poses are expressed in the frame.
     pub(crate) has_poses: bool,
-    /// What the heights of poses say, and of which poses.
+    /// The curvature in the heights of poses, and of which poses.
     pub(crate) curvature: Option<(Curvature, String)>,
 }
 

@@ -1,16 +1,16 @@
-//! Which clock a stream is put on, so that streams of different clocks can be compared.
+//! The clock of a stream, chosen so that streams of different clocks can be compared.
 
 use crate::math::stats::median;
 use crate::world::motion::{Row, Series};
 
-/// The stamps of a stream are used where they run as fast as the log clock, to within this share.
+/// The stamps of a stream are used if their rate matches the log clock to within this share.
 const MAX_RATE_ERROR: f64 = 0.02;
 /// Length over which the rate is taken, seconds; shorter streams are judged by the spread of `stamp - log` alone.
 const MIN_RATE_SPAN_S: f64 = 10.0;
 /// The spread of `stamp - log` up to which the stamps of a short stream are used, seconds.
 const MAX_SPREAD_S: f64 = 0.5;
 
-/// How the time of a row is made.
+/// Source of the time of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Clock {
     /// Header stamp, shifted by the median of log time minus stamp, `-offset_s`: even, and comparable with other streams.
@@ -18,7 +18,7 @@ pub(crate) enum Clock {
         /// Median of stamp minus log time, seconds.
         offset_s: f64,
     },
-    /// Log time: the stamps are zero, stand still, or run at another rate.
+    /// Log time: the stamps are zero, do not increase, or have another rate.
     Log,
 }
 

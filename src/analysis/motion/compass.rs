@@ -9,7 +9,7 @@ use crate::world::motion::NmeaRow;
 /// A course over ground is noise below this speed, m/s.
 const MIN_SPEED_M_S: f64 = 0.5;
 
-/// What an angle is, the more telling first.
+/// Kind of an angle, the most reliable first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     /// Heading from true north.
@@ -23,18 +23,18 @@ pub(crate) enum Kind {
 /// Angles over time.
 #[derive(Clone, Debug)]
 pub(crate) struct Compass {
-    /// What reports call them: ``true heading on topic `/nmea` ``.
+    /// Their name in reports: ``true heading on topic `/nmea` ``.
     pub(crate) subject: String,
-    /// Where they begin.
+    /// First message.
     pub(crate) place: Place,
-    /// What they are.
+    /// Their kind.
     pub(crate) kind: Kind,
     /// Seconds after the recording's start, and radians clockwise from north, in order.
     pub(crate) angles: Vec<(f64, f64)>,
 }
 
 impl Compass {
-    /// The angles that sentences state.
+    /// The angles in the sentences.
     pub(crate) fn all(stream: &Stream<NmeaRow>) -> Vec<Self> {
         let course = |row: &NmeaRow| {
             if row.speed_m_s >= MIN_SPEED_M_S {

@@ -1,8 +1,7 @@
-//! What the numbers of a stream are expressed in, by the configuration or by the names of its frames, and the way from there
-//! to the convention of ROS.
+//! The convention that a stream is expressed in, by the configuration or by frame names, and its conversion to that of ROS.
 //!
-//! Rows are converted before anything is measured: what follows its declared convention then looks healthy, and what does
-//! not shows as the fault that it is. Must not judge.
+//! Rows are converted before anything is measured: data that follow their declared convention are healthy, and others show
+//! their fault. Must not judge.
 //!
 //! Sources: REP-103 (ENU, FLU; suffix `_ned`), REP-145 (`imu_link_ned`).
 
@@ -20,27 +19,27 @@ use super::mount::Mount;
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Moving<'a> {
-    /// The frame that the header names: a sensor's.
+    /// The frame in the header: a sensor's.
     Frame,
-    /// The child, where one is named; the header's frame is a world.
+    /// The child, if one is named; the header's frame is a world.
     Child(Option<&'a FrameId>),
 }
 
-/// What a stream is expressed in, and who says so.
+/// The convention of a stream, and its source.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ExpressedIn {
-    /// What was said; nothing where the stream is told as ROS has it.
+    /// The declared convention; empty for a stream in that of ROS.
     pub(crate) convention: Convention,
-    /// Who says so: `` `frames-lint.yaml:4` declares `` or `` the name of `odom_ned` says ``.
+    /// Its source: `` `frames-lint.yaml:4` declares `` or `` the name of `odom_ned` says ``.
     pub(crate) says: String,
-    /// Whether the configuration says so.
+    /// Whether the configuration declares it.
     pub(crate) is_declared: bool,
     /// Where.
     pub(crate) place: Option<Place>,
 }
 
 impl ExpressedIn {
-    /// What the stream of a topic, or of TF, is expressed in. The configuration speaks before names.
+    /// The convention of the stream of a topic, or of TF. The configuration has precedence over names.
     pub(crate) fn of(
         world: &World,
         source: SourceId,
@@ -68,7 +67,7 @@ impl ExpressedIn {
         }
     }
 
-    /// What names say.
+    /// The convention by frame names.
     fn by_names(frame: Option<&FrameId>, moving: Moving<'_>) -> Self {
         let has = |frame: Option<&FrameId>, word: &str| frame.is_some_and(|frame| frame.has_token(word));
         let is_frd = |frame: Option<&FrameId>| has(frame, "frd") || has(frame, "ned");
@@ -93,7 +92,7 @@ impl ExpressedIn {
         }
     }
 
-    /// Leaves the body's axes to TF, where TF itself turns the frame that moves: numbers are expressed in that frame as it is.
+    /// Ignores the body's axes if TF itself rotates the moving frame: the data are expressed in that frame as it is.
     pub(crate) fn without_turn_of(mut self, mount: Option<&Mount>) -> Self {
         if mount.is_some_and(Mount::is_upside_down) {
             self.convention.body = None;
@@ -101,18 +100,18 @@ impl ExpressedIn {
         self
     }
 
-    /// Takes the world to be NED, where only the body is said to be FRD: the one goes with the other.
+    /// With a NED world, for a body that alone is declared as FRD.
     pub(crate) fn with_ned(mut self) -> Self {
         self.convention.world = Some(WorldAxes::Ned);
         self
     }
 
-    /// Whether the body is said to be FRD, and nothing of the world.
+    /// Whether the body is declared as FRD, and the world is not declared.
     pub(crate) fn is_of_body_alone(&self) -> bool {
         self.convention.body == Some(BodyAxes::Frd) && self.convention.world.is_none()
     }
 
-    /// Whether the numbers are converted.
+    /// Whether the data are converted.
     pub(crate) fn converts(&self) -> bool {
         let convention = &self.convention;
         !self
@@ -123,12 +122,12 @@ impl ExpressedIn {
             || convention.algebra == Some(QuaternionAlgebra::Jpl)
     }
 
-    /// Whether it is expressed in NED, which a fault of that name would turn back.
+    /// Whether the world is NED: the fault `ned-frd` would undo the conversion.
     pub(crate) fn is_ned(&self) -> bool {
         self.convention.world == Some(WorldAxes::Ned)
     }
 
-    /// Whether the configuration itself says where yaw is zero.
+    /// Whether the configuration itself declares the world, and so the zero of yaw.
     pub(crate) fn declares_world(&self) -> bool {
         self.is_declared && self.convention.world.is_some()
     }
@@ -166,7 +165,7 @@ impl ExpressedIn {
         (self.convention.body == Some(BodyAxes::Frd)).then(|| AxisTurn::FluFrd.quaternion())
     }
 
-    /// Slots `x y z w` of `enu_from_flu`; their length stays.
+    /// Slots `x y z w` of `enu_from_flu`; the norm is kept.
     fn orientation(&self, slots: [f64; 4]) -> [f64; 4] {
         let [a, b, c, d] = slots;
         let mut q = match self.convention.order {
@@ -180,7 +179,7 @@ impl ExpressedIn {
             q = *turn.quaternion() * q;
         }
         if let Some(turn) = self.turn_of_body() {
-            // `body_from_flu` and `flu_from_body` are one.
+            // `body_from_flu` and `flu_from_body` are equal.
             q *= *turn.quaternion();
         }
         [q.i, q.j, q.k, q.w]
@@ -199,12 +198,12 @@ fn turned(turn: Option<UnitQuaternion<f64>>, vector: [f64; 3]) -> [f64; 3] {
     turn.map_or(vector, |turn| (turn * Vector3::from(vector)).into())
 }
 
-/// A row whose numbers can be expressed in another convention.
+/// A row that can be converted to another convention.
 pub(crate) trait Convert {
-    /// Whether the header's frame is that of what moves, not the world's.
+    /// Whether the header's frame is the moving one, not the world's.
     const IS_SENSOR: bool;
 
-    /// The row in the convention of ROS. `frame` is the one that its header names.
+    /// Converts the row to the convention of ROS. `frame` is the one in its header.
     fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>);
 }
 
@@ -243,7 +242,7 @@ impl Convert for TwistRow {
     const IS_SENSOR: bool = true;
 
     fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>) {
-        // A velocity is expressed in the header's frame, whichever that is.
+        // A velocity is expressed in the header's frame.
         let is_of_world = frame.is_some_and(names::is_world) || expressed_in.turn_of_body().is_none();
         let turn = if is_of_world {
             expressed_in.turn_of_world()
@@ -283,7 +282,7 @@ mod tests {
         (dot.abs() - 1.0).abs() < 1e-12
     }
 
-    /// Of Euler angles ZYX, `yaw_enu = pi/2 - yaw_ned`, `pitch_enu = -pitch_ned`, `roll_enu = roll_ned`.
+    /// For Euler angles ZYX, `yaw_enu = pi/2 - yaw_ned`, `pitch_enu = -pitch_ned`, `roll_enu = roll_ned`.
     #[test]
     fn angles_of_ned_and_frd_become_those_of_enu_and_flu() {
         let (roll, pitch, yaw) = (0.2, -0.1, 0.7);
@@ -301,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_covariance_is_told_in_the_axes_of_ros() {
+    fn a_covariance_is_converted_to_the_axes_of_ros() {
         let mut values = vec![0.0; 36];
         // North, east, down; roll, pitch, yaw; north with east.
         for (at, value) in [
@@ -337,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn names_tell_of_the_world_and_of_the_body() {
+    fn names_declare_the_world_and_the_body() {
         let of = |frame: &str, child: Option<&str>| {
             let child = child.map(FrameId::new);
             let moving = child.as_ref().map_or(Moving::Frame, |child| Moving::Child(Some(child)));

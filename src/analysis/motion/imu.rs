@@ -1,4 +1,4 @@
-//! An inertial sensor: its rows, where it is mounted, and whether it gives an orientation at all.
+//! An inertial sensor: its rows, its mounting, and whether it has an orientation at all.
 
 use std::sync::Arc;
 
@@ -15,18 +15,18 @@ use crate::world::{BagEvidence, World, bag::Said, content::ContentEvidence, moti
 pub(crate) struct Imu {
     /// Its measurements.
     pub(crate) stream: Stream<InertialRow>,
-    /// Where it is mounted, by URDF and static TF; `None` where its frame has no rigid way to a base.
+    /// Its mounting, by URDF and static TF; `None` if no rigid transforms tie its frame to a base.
     pub(crate) mount: Option<Mount>,
-    /// Why its orientation is none.
+    /// Why it has no orientation.
     pub(crate) no_orientation: Option<&'static str>,
-    /// What its numbers measure.
+    /// Its measurements.
     pub(crate) inertial: Inertial,
     /// The driver that publishes it, by the names around it.
     pub(crate) driver: Option<Arc<InsDriver>>,
 }
 
 impl Imu {
-    /// The sensor of a topic, or of a member of its messages; `None` where it says nothing inertial.
+    /// The sensor of a topic, or of a member of its messages; `None` if it has no inertial data.
     pub(crate) fn of(world: &World, bag: &BagEvidence, said: &Said<'_>) -> Option<Self> {
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
@@ -41,23 +41,23 @@ impl Imu {
         })
     }
 
-    /// `base_from_imu`, the identity where the mounting is not known.
+    /// `base_from_imu`, the identity if the mounting is unknown.
     pub(crate) fn base_from_imu(&self) -> UnitQuaternion<f64> {
         self.mount
             .as_ref()
             .map_or_else(UnitQuaternion::identity, |mount| mount.base_from_sensor.rotation)
     }
 
-    /// How the sensor sits on its base, for a message.
+    /// The sensor's mounting on its base, as a clause for reports.
     pub(crate) fn mounting(&self) -> String {
         match (&self.mount, &self.stream.frame) {
             (Some(mount), _) if mount.is_base => format!("its frame `{}` is the base", mount.base),
             (Some(mount), Some(frame)) => {
                 let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
-                format!("`{}_from_{frame}` turns by {degrees:.1} deg", mount.base)
+                format!("`{}_from_{frame}` rotates by {degrees:.1} deg", mount.base)
             }
-            (_, Some(frame)) => format!("`{frame}` is not tied to a base; it is taken to be mounted straight"),
-            _ => "it names no frame; it is taken to be mounted straight".to_owned(),
+            (_, Some(frame)) => format!("no transform ties `{frame}` to a base, so no rotation is assumed"),
+            _ => "its header names no frame, so no rotation is assumed".to_owned(),
         }
     }
 }
@@ -70,7 +70,7 @@ fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> 
     if !is_of_body_alone {
         return stream.converted(expressed_in);
     }
-    // Which world goes with a body in FRD is not said: gravity tells it.
+    // The world of a body in FRD is not declared: gravity decides.
     let enu = stream.clone().converted(expressed_in.clone());
     let is_down = Inertial::of(&enu, true)
         .gravity
@@ -82,16 +82,16 @@ fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> 
     }
 }
 
-/// Why a sensor's orientation is none: it says so, or never fills it in.
+/// Why a sensor has no orientation: it declares so, or never fills it in.
 fn no_orientation(content: &ContentEvidence) -> Option<&'static str> {
     let imu = content.imu.as_ref()?;
     let covariance = content.covariances.get("orientation_covariance");
     if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
-        Some("it says that it has no orientation (orientation_covariance[0] is -1)")
+        Some("it declares that it has no orientation (orientation_covariance[0] is -1)")
     } else if imu.zero == imu.count {
-        Some("its orientation is all zeros: it has none")
+        Some("it has no orientation (all zero)")
     } else if imu.same_as_first == imu.count {
-        Some("its orientation is the same in every message: it has none")
+        Some("it has no orientation (the same in every message)")
     } else {
         None
     }

@@ -1,4 +1,4 @@
-//! What an inertial sensor's own numbers measure: force, rest, gravity in the world, and turns by gyro and orientation.
+//! Measurements of an inertial sensor by itself: force, rest, gravity in the world, and rotations by gyro and orientation.
 //!
 //! Made once for all rules that judge the sensor. Must not judge.
 
@@ -9,9 +9,9 @@ use crate::math::turns::{Turns, turns};
 use crate::math::{gravity, rest, stats::median, turns};
 use crate::world::motion::InertialRow;
 
-/// Length of the windows of gravity, seconds: of a driving car's force the mean of ten seconds is off by 5 degrees.
+/// Length of the windows of gravity, seconds: the mean force of a driving car over ten seconds is off by 5 degrees.
 const GRAVITY_WINDOW_S: f64 = 2.0;
-/// Tilt that tells an orientation from its inverse, radians (5 degrees).
+/// Tilt that distinguishes an orientation from its inverse, radians (5 degrees).
 const TILTED_RAD: f64 = 0.087;
 /// Length of the windows of turns, seconds: the best on real recordings.
 const TURN_WINDOW_S: f64 = 0.5;
@@ -23,13 +23,13 @@ const SLOW_TURN_HOP_S: f64 = 0.5;
 /// The measurements of one sensor.
 #[derive(Clone, Debug)]
 pub(crate) struct Inertial {
-    /// Median length of the acceleration as published, m/s² by definition; `None` without a finite one.
+    /// Median magnitude of the acceleration as published, m/s² by definition; `None` without a finite one.
     pub(crate) force: Option<f64>,
     /// Windows at rest.
     pub(crate) rest: Rest,
     /// Gravity in the world by the orientation; `None` without one.
     pub(crate) gravity: Option<Gravity>,
-    /// Turns by orientation and gyro; `None` without an orientation, or where nothing lasts long enough.
+    /// Rotations by orientation and gyro; `None` without an orientation, or if no stretch is long enough.
     pub(crate) turns: Option<Turns>,
     /// The same over longer windows.
     pub(crate) slow_turns: Option<Turns>,

@@ -1,7 +1,7 @@
-//! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
+//! The motion of a recording on one clock: inertial sensors, GNSS tracks, poses and velocities.
 //!
-//! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
-//! that they are expressed in another convention, brought from there to that of ROS. Must not judge.
+//! Made once for all rules that judge motion. Data are as published, or converted to the convention of ROS if the configuration or
+//! a frame's name declares another one. Must not judge.
 
 mod along;
 mod clock;
@@ -42,21 +42,21 @@ pub(crate) struct Motion {
     pub(crate) bags: Vec<BagMotion>,
 }
 
-/// The streams of motion of one recording, by topic, and by field where they stand inside messages.
+/// The streams of motion of one recording, by topic, and by field if they are inside messages.
 pub(crate) struct BagMotion {
     /// Inertial sensors.
     pub(crate) imus: Vec<Imu>,
-    /// Satellite receivers, those included that say where they are in sentences of NMEA 0183.
+    /// GNSS receivers, including those that publish NMEA 0183 sentences.
     pub(crate) fixes: Vec<Stream<FixRow>>,
     /// Odometry, poses on topics, and moving transforms.
     pub(crate) poses: Vec<Stream<PoseRow>>,
-    /// Where none of these is the way of the platform: the ways that recordings state that ran beside it, on its clock.
+    /// If none of these is the platform's track: the tracks of recordings made at the same time, on its clock.
     beside: Vec<Stream<PoseRow>>,
     /// Velocities on topics of their own.
     pub(crate) twists: Vec<Stream<TwistRow>>,
-    /// The simulator that names in the recording tell.
+    /// The simulator that names in the recording identify.
     pub(crate) simulator: Option<Arc<Simulator>>,
-    /// Velocities of satellite receivers, east, north, up, without a turning velocity.
+    /// Velocities of GNSS receivers, east, north, up, without an angular velocity.
     pub(crate) velocities: Vec<Stream<TwistRow>>,
     /// Orientations on topics of their own.
     pub(crate) orientations: Vec<Stream<OrientationRow>>,
@@ -65,7 +65,7 @@ pub(crate) struct BagMotion {
 }
 
 impl Motion {
-    /// The motion of a world; worked out once.
+    /// The motion of a world; made once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
         world.once(|world| {
             let mut bags: Vec<BagMotion> = world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect();
@@ -80,7 +80,7 @@ impl Motion {
     }
 }
 
-/// The ways of the platform by recordings that were made while this one was, on its clock.
+/// The platform's tracks in recordings made at the same time, on the clock of this one.
 fn ways_beside(bags: &[BagEvidence], motions: &[BagMotion], index: usize) -> Vec<Stream<PoseRow>> {
     let (Some(own), Some(motion)) = (bags.get(index), motions.get(index)) else {
         return Vec::new();
@@ -99,7 +99,7 @@ fn ways_beside(bags: &[BagEvidence], motions: &[BagMotion], index: usize) -> Vec
 }
 
 impl BagMotion {
-    /// The poses that say how the platform went: its own, else those of recordings that were made at the same time.
+    /// The poses of the platform: its own, else those of recordings made at the same time.
     pub(crate) fn ways(&self) -> impl Iterator<Item = &Stream<PoseRow>> {
         self.poses.iter().filter(|poses| poses.is_way()).chain(&self.beside)
     }
@@ -129,7 +129,7 @@ impl BagMotion {
                 .poses
                 .extend(poses.map(|poses| poses.in_ros(world).on_earth(&limits)));
             let twists = Stream::of(bag, &said, of.twists.as_ref());
-            // Beside fixes they are the receiver's: east, north, up whatever the frame.
+            // Beside fixes they are the receiver's: east, north, up in any frame.
             if of.fixes.is_some() {
                 motion.velocities.extend(twists);
             } else {
@@ -150,12 +150,12 @@ impl BagMotion {
         motion
     }
 
-    /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
-    /// frames that are not left out.
+    /// The platform's tracks: by GNSS receivers first, guessed ones last, then by odometry and poses in frames that are not
+    /// left out.
     pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Tracks {
         let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
         fixes.sort_by_key(|fixes| fixes.guessed);
-        // Joints move, too, and say nothing of the platform's way.
+        // Joints move as well, but are no track of the platform.
         let is_way = |poses: &&Stream<PoseRow>| {
             poses.is_of_world() && !poses.is_earth_centred() && !is_left_out(poses.frame.as_ref())
         };

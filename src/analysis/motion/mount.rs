@@ -1,4 +1,4 @@
-//! How a sensor is mounted: its pose on the platform's base, by URDF and static TF.
+//! The mounting of a sensor: its pose on the platform's base, by URDF and static TF.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::analysis::{names, names::Standard};
 use crate::world::{FrameId, World};
 
-/// A sensor's place on its platform.
+/// A sensor's mounting on its platform.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mount {
     /// The platform's base frame, canonical.
@@ -25,12 +25,12 @@ impl Mount {
     }
 }
 
-/// How every frame with a rigid chain to a base is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like a base,
-/// else on one that odometry moves.
+/// The mounting of every frame with a rigid chain to a base: `base_link` or `base_footprint` of its tree, else a frame with the name of a
+/// base, else one that odometry moves.
 pub(crate) struct Mounts(BTreeMap<FrameId, Mount>);
 
 impl Mounts {
-    /// Looks through the platform once.
+    /// Of all frames of the platform.
     pub(crate) fn of(world: &World) -> Self {
         let mut mounts: BTreeMap<FrameId, Mount> = BTreeMap::new();
         for base in bases(world) {
@@ -48,7 +48,7 @@ impl Mounts {
         Self(mounts)
     }
 
-    /// How the sensor of this frame is mounted.
+    /// The mounting of the sensor with this frame.
     pub(crate) fn get(&self, sensor: &FrameId) -> Option<Mount> {
         if is_standard(sensor) {
             return Some(Mount {
@@ -61,7 +61,7 @@ impl Mounts {
     }
 }
 
-/// As [`Mounts`] has it, for one sensor.
+/// The mounting of one sensor; see [`Mounts`].
 pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
     Mounts::of(world).get(sensor)
 }
@@ -70,7 +70,7 @@ fn is_standard(frame: &FrameId) -> bool {
     names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base)
 }
 
-/// Frames that sensors are mounted on, the best first.
+/// Candidates for the base, the best first.
 fn bases(world: &World) -> impl Iterator<Item = &FrameId> {
     let graph = world.graph();
     let standard = graph.frames.iter().filter(|frame| is_standard(frame));

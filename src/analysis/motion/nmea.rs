@@ -1,11 +1,11 @@
 //! Sentences of NMEA 0183 as fixes.
 //!
-//! Owns what they mean in the words of a fix. Must not judge.
+//! Owns the conversion to a fix. Must not judge.
 
 use crate::world::motion::{FixRow, NmeaRow, Series};
 
-/// The positions that sentences tell. Their height is above the ellipsoid, as far as the receiver says how high mean sea
-/// level is; NaN otherwise. Several sentences tell the position of one moment: it counts once.
+/// The positions in the sentences. The height is above the ellipsoid if the receiver states the geoid separation; NaN
+/// otherwise. Several sentences with the position of one time count once.
 pub(crate) fn positions(sentences: &Series<NmeaRow>) -> Series<FixRow> {
     let mut stretches = Vec::new();
     for rows in &sentences.stretches {

@@ -30,30 +30,30 @@ pub(crate) struct Stream<R> {
     pub(crate) source: SourceId,
     /// Topic of the messages.
     pub(crate) topic: String,
-    /// Type of the messages; empty where the stream is a member of them, or of TF.
+    /// Type of the messages; empty if the stream is a member of them, or of TF.
     pub(crate) message_type: String,
-    /// What reports call the stream: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
+    /// Name of the stream in reports: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
     pub(crate) subject: String,
-    /// Whether only the names of plain fields say what it is.
+    /// Whether only the names of plain fields identify it.
     pub(crate) guessed: bool,
-    /// The frame that the numbers are expressed in (header frame, or parent), canonical; `None` where the headers name none or
+    /// The frame that the data are expressed in (header frame, or parent), canonical; `None` if the headers name none or
     /// several.
     pub(crate) frame: Option<FrameId>,
-    /// The frame that moves, canonical, where the stream says it.
+    /// The frame that moves, canonical, if the stream names it.
     pub(crate) child: Option<FrameId>,
-    /// Median of stamp minus log time, seconds, which was taken off the times; `None` where they are log times.
+    /// Median of stamp minus log time, seconds, which is subtracted from the times; `None` if they are log times.
     pub(crate) stamp_offset_s: Option<f64>,
     /// First message.
     first: Option<MessageRef>,
-    /// What the rows were expressed in; they stand here in the convention of ROS.
+    /// The declared convention of the rows; here they are in that of ROS.
     pub(crate) expressed_in: ExpressedIn,
-    /// Runs of rows without a hole, times growing inside each.
+    /// Runs of rows without a gap, with increasing times.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
     is_earth_centred: bool,
     made: Made,
 }
 
-/// What follows from the rows of a stream, made by the first that asks. A copy, which may be altered, starts without.
+/// Derived from the rows of a stream on first use. A copy, which may be altered, starts without.
 #[derive(Debug, Default)]
 struct Made {
     track: OnceLock<Arc<Track>>,
@@ -66,7 +66,7 @@ impl Clone for Made {
 }
 
 impl<R: Row> Stream<R> {
-    /// The stream of a topic, or of a member of its messages; `None` where it has no rows.
+    /// The stream of a topic, or of a member of its messages; `None` if it has no rows.
     pub(crate) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
         let (stretches, stamp_offset_s) = on_clock(bag, series)?;
@@ -89,7 +89,7 @@ impl<R: Row> Stream<R> {
         })
     }
 
-    /// Every row, whatever its stretch.
+    /// Every row of all stretches.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &Timed<R>> {
         self.stretches.iter().flatten()
     }
@@ -127,13 +127,13 @@ impl<R: Row> Stream<R> {
         Arc::clone(self.made.track.get_or_init(|| Arc::new(track())))
     }
 
-    /// Whether it is expressed in a frame of the world, or in none that is named: joints move, too, and say nothing of the
-    /// platform's way.
+    /// Whether it is expressed in a world frame, or in none that is named: joints move as well, but are no track of the
+    /// platform.
     pub(crate) fn is_of_world(&self) -> bool {
         self.frame.as_ref().is_none_or(names::is_world)
     }
 
-    /// The same stream with times after the start of a recording that began `by_s` earlier.
+    /// The same stream with times relative to a recording that starts `by_s` earlier.
     pub(crate) fn later(&self, by_s: f64) -> Self {
         let mut later = self.clone();
         for timed in later.stretches.iter_mut().flatten() {
@@ -142,14 +142,14 @@ impl<R: Row> Stream<R> {
         later
     }
 
-    /// Where the stream begins.
+    /// First message of the stream.
     pub(crate) fn place(&self) -> Place {
         Place::of(self.source, self.first.as_ref())
     }
 }
 
 impl<R: Row + Convert> Stream<R> {
-    /// The stream in the convention of ROS, by what the configuration or names say of it.
+    /// The stream in the convention of ROS, converted from what the configuration or names declare.
     pub(crate) fn in_ros(self, world: &World) -> Self {
         let expressed_in = self.said(world);
         let child = self.child.as_ref();
@@ -159,7 +159,7 @@ impl<R: Row + Convert> Stream<R> {
         self.converted(expressed_in.without_turn_of(mount.as_ref()))
     }
 
-    /// What the configuration or names say that the stream is expressed in.
+    /// The convention that the configuration or names declare.
     pub(crate) fn said(&self, world: &World) -> ExpressedIn {
         let moving = if R::IS_SENSOR {
             Moving::Frame
@@ -183,7 +183,7 @@ impl<R: Row + Convert> Stream<R> {
 }
 
 impl Stream<FixRow> {
-    /// Where the receiver went, in a plane that touches the ellipsoid at its first fix: x east, y north, z up.
+    /// Track of the receiver in the tangent plane at its first fix: x east, y north, z up.
     pub(crate) fn track(&self) -> Arc<Track> {
         let origin = self.rows().next().map(|timed| timed.row);
         self.track_of(true, |row| Some(local(&origin?, row)))
@@ -191,8 +191,8 @@ impl Stream<FixRow> {
 }
 
 impl Stream<PoseRow> {
-    /// Whether it tells places from the Earth's centre: its x and y then lie in no level plane, its z is no height, and south of
-    /// the equator its way is mirrored.
+    /// Whether its positions are Earth-centred: x and y are then not horizontal, z is no height, and south of the equator the track
+    /// is mirrored.
     pub(crate) fn is_earth_centred(&self) -> bool {
         self.is_earth_centred
     }
@@ -207,7 +207,7 @@ impl Stream<PoseRow> {
         self
     }
 
-    /// Whether it tells the way of the platform: not where one frame of the world lies in another, nor where it should go.
+    /// Whether it is the track of the platform: not the pose of one world frame in another, and no plan.
     pub(crate) fn is_way(&self) -> bool {
         self.is_of_world()
             && !self.is_earth_centred()
@@ -215,7 +215,7 @@ impl Stream<PoseRow> {
             && !names::is_wish(&self.topic)
     }
 
-    /// Where the poses went, in their own frame.
+    /// Track of the poses in their own frame.
     pub(crate) fn track(&self) -> Arc<Track> {
         self.track_of(false, |row| Some(Vector3::from(row.position)))
     }
@@ -243,7 +243,7 @@ impl Stream<PoseRow> {
     }
 }
 
-/// What reports call the stream of a moving transform.
+/// Name of the stream of a moving transform in reports.
 pub(crate) fn edge_subject(edge: &TfEdge) -> String {
     let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
     format!("TF `{parent}` -> `{child}` on {}", edge.topic)
@@ -251,9 +251,9 @@ pub(crate) fn edge_subject(edge: &TfEdge) -> String {
 
 /// East and north of a fix about another, along the ellipsoid, and its altitude over the other's, metres.
 ///
-/// The radius of the parallel is that of the origin: at latitude φ a place d east and d north stands d² tan φ / R aside,
-/// 0.2 m for a kilometre at 48 degrees. [`Geodetic::enu_of`] is exact, but knows no places beyond the poles, which wrong
-/// numbers may be.
+/// The radius of the parallel is that of the origin: at latitude φ a place d east and d north is off by d² tan φ / R,
+/// 0.2 m for a kilometre at 48 degrees. [`Geodetic::enu_of`] is exact, but has no places beyond the poles, which wrong
+/// numbers may have.
 fn local(origin: &FixRow, fix: &FixRow) -> Vector3<f64> {
     let [east, north] = [
         wrapped((fix.longitude_deg - origin.longitude_deg).to_radians()),
@@ -286,7 +286,7 @@ fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<
         let mut kept: Vec<Timed<R>> = Vec::with_capacity(rows.len());
         for row in rows {
             let t_s = clock.time_s(row, start_ns);
-            // Two messages of one log time are one as far as a rate is concerned.
+            // Two messages of one log time count once.
             if kept.last().is_none_or(|last| t_s > last.t_s) {
                 kept.push(Timed { t_s, row: row.clone() });
             }
@@ -297,7 +297,7 @@ fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<
     (!stretches.is_empty()).then_some((stretches, clock.stamp_offset_s()))
 }
 
-/// The one frame that is named, canonical; the empty name is none.
+/// The only frame that is named, canonical; the empty name counts as none.
 fn only(frames: &BTreeMap<FrameId, HeaderFrame>) -> Option<FrameId> {
     let mut names = frames.keys();
     let first = names.next().filter(|_| names.next().is_none())?.canonical();

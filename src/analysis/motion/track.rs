@@ -1,4 +1,4 @@
-//! Where a platform went, and the course and speed of it: from satellite fixes, odometry and poses.
+//! The track of a platform, with course and speed: from GNSS fixes, odometry and poses.
 //!
 //! Owns the local plane of fixes and the times at which courses are taken. Must not judge.
 
@@ -9,25 +9,25 @@ use nalgebra::{Vector2, Vector3};
 use crate::analysis::motion::along::{Follower, around};
 use crate::source::Place;
 
-/// A course is taken over this long, seconds: noise of a position weighs less over a longer way, turns blur.
+/// Duration of a course, seconds: longer ones have less noise, but blur turns.
 const COURSE_OVER_S: f64 = 2.0;
-/// From one course to the next, seconds.
+/// Interval between courses, seconds.
 const COURSE_EVERY_S: f64 = 0.5;
-/// Longest step between two positions, seconds: receivers speak once a second.
+/// Longest step between two positions, seconds: receivers publish once a second.
 const MAX_STEP_S: f64 = 2.5;
 
 /// Positions over time, metres, in a frame with x and y in the horizontal plane as published.
 #[derive(Clone, Debug)]
 pub(crate) struct Track {
-    /// What reports call it.
+    /// Its name in reports.
     pub(crate) subject: String,
     /// Where it begins.
     pub(crate) place: Place,
-    /// Whether it is of satellite fixes: x east, y north, z up.
+    /// Whether it is of GNSS fixes: x east, y north, z up.
     pub(crate) is_geodetic: bool,
-    /// Runs of positions without a hole.
+    /// Runs of positions without a gap.
     pub(crate) stretches: Vec<Vec<(f64, Vector3<f64>)>>,
-    /// Every course of each stretch, whatever its speed; worked out by the first that asks.
+    /// Every course of each stretch, at any speed; made on first use.
     every_course: OnceLock<Vec<Vec<Course>>>,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Course {
 }
 
 impl Track {
-    /// Of positions without a hole longer than a course may bridge; what is not finite is left out.
+    /// Of positions, split at gaps that a course may not bridge; those that are not finite are left out.
     pub(crate) fn of(
         subject: String,
         place: Place,
@@ -65,7 +65,7 @@ impl Track {
         self.stretches.iter().find_map(|stretch| at(stretch, t_s))
     }
 
-    /// [`Self::at`] at times that mostly grow.
+    /// [`Self::at`] at times that mostly increase.
     pub(crate) fn follow(&self) -> impl FnMut(f64) -> Option<Vector3<f64>> + '_ {
         let mut followers: Vec<_> = self.stretches.iter().map(|stretch| Follower::new(stretch)).collect();
         move |t_s| {

@@ -1,20 +1,20 @@
-//! The streams that say where a platform went, in the order in which they are asked.
+//! The tracks of a platform, in the order in which they are used.
 //!
-//! Owns how many are asked, and says where some were not.
+//! Owns how many are used, and reports if some are not.
 
 use std::sync::Arc;
 
 use crate::analysis::motion::{Stream, Track};
 use crate::world::motion::{FixRow, PoseRow};
 
-/// So many receivers, and so many streams of poses, say where a platform went; a recording of more is of a fleet.
+/// Number of receivers, and of streams of poses, that are used; a recording with more is of a fleet.
 const MOST: usize = 16;
 
-/// Where a platform went.
+/// The tracks of a platform.
 pub(crate) struct Tracks {
-    /// By satellite receivers, then by poses.
+    /// By GNSS receivers, then by poses.
     pub(crate) asked: Vec<Arc<Track>>,
-    /// Of how many streams.
+    /// Number of all streams with a track.
     streams: usize,
 }
 
@@ -29,14 +29,11 @@ impl Tracks {
         }
     }
 
-    /// Why none of them tells, and how many were not asked.
+    /// A reason, with how many streams were not used.
     pub(crate) fn why(&self, reason: impl Into<String>) -> String {
         let (reason, asked) = (reason.into(), self.asked.len());
         if asked < self.streams {
-            format!(
-                "{reason}; of {} streams that show where it went, {asked} were asked",
-                self.streams
-            )
+            format!("{reason}; of {} streams with a track, {asked} were used", self.streams)
         } else {
             reason
         }

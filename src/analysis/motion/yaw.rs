@@ -8,7 +8,7 @@ use crate::world::motion::{InertialRow, OrientationRow, PoseRow};
 
 /// Longest step between two orientations that a yaw is interpolated over, seconds.
 const MAX_STEP_S: f64 = 2.5;
-/// The part of the x axis that must lie in the horizontal plane.
+/// Minimum horizontal part of the x axis.
 const MIN_HORIZONTAL: f64 = 0.5;
 
 /// A row with an orientation.
@@ -35,7 +35,7 @@ pub(crate) struct Yaws {
 }
 
 impl Yaws {
-    /// By the orientations of a sensor that sits in the base like this.
+    /// By the orientations of a sensor with this mounting.
     pub(crate) fn of<R: Oriented>(stream: &Stream<R>, base_from_sensor: &UnitQuaternion<f64>) -> Self {
         let forward = base_from_sensor.inverse() * Vector3::x();
         let yaw = |row: &R| {

@@ -3,12 +3,12 @@
 use crate::analysis::names;
 use crate::world::FrameId;
 
-/// A frame's name as it stands in a formula: `base` and `base_link` are one there.
+/// A frame's name as written in a formula: `base` and `base_link` are the same there.
 fn label(name: &str) -> String {
     names::without_ending(FrameId::new(name).tokens()).concat()
 }
 
-/// Whether two names mean one frame. `c`, `c0` and `cam`, `I` and `Ik`, `body`, `bodyMatch` and `last_body` do: the longer says which one, or when.
+/// Whether two names mean one frame. `c`, `c0` and `cam`, `I` and `Ik`, `body`, `bodyMatch` and `last_body` do: the longer one states which, or when.
 pub(crate) fn is_same(a: &str, b: &str) -> bool {
     if label(a) == label(b) {
         return true;
@@ -25,7 +25,7 @@ pub(crate) fn is_same(a: &str, b: &str) -> bool {
     }
 }
 
-/// Whether `long` is what the letter `short` stands for (`c` and `cam`), or `short` with a counter behind it: digits, or behind one letter `k`, `kp1`.
+/// Whether `long` is what the letter `short` stands for (`c` and `cam`), or `short` with a counter after it: digits, or after one letter `k`, `kp1`.
 fn is_one_of(short: &str, long: &str) -> bool {
     if short.len() == 1 && long.len() > 2 && long.starts_with(short) {
         return true;

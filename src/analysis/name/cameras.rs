@@ -1,4 +1,4 @@
-//! Frames of images, and how they are turned.
+//! Frames of images, and their orientation.
 //!
 //! Must not judge.
 
@@ -34,7 +34,7 @@ const CAMERA_WORDS: &[&str] = &[
     "thermal",
 ];
 
-/// What a frame carries of one camera.
+/// The messages of one camera frame.
 pub(crate) struct Camera<'a> {
     /// The topic that names it first, by name.
     pub(crate) topic: &'a str,
@@ -80,7 +80,7 @@ pub(crate) fn cameras(bag: &BagEvidence) -> BTreeMap<FrameId, Camera<'_>> {
     cameras
 }
 
-/// The optical frame of the same camera, rigid to `frame` and turned from it as from a link with x ahead.
+/// The optical frame of the same camera, rigid to `frame` and rotated from it as from a link with x forward.
 pub(crate) fn optical_beside<'a>(
     world: &'a World,
     frame: &FrameId,
@@ -100,7 +100,7 @@ pub(crate) fn optical_beside<'a>(
     Some((optical, stated))
 }
 
-/// How far the z axis points up in the platform's own frame, which carries it rigidly.
+/// The vertical component of the z axis in the platform's base frame, which carries it rigidly.
 pub(crate) fn up<'a>(world: &'a World, frame: &FrameId) -> Option<(&'a FrameId, f64)> {
     let graph = world.graph();
     let is_base = |base: &&FrameId| {

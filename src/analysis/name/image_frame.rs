@@ -1,4 +1,4 @@
-//! Frames of images that are no optical ones.
+//! Frames of images that are not optical frames.
 
 use serde::Deserialize;
 
@@ -9,16 +9,16 @@ use crate::world::{BagEvidence, FrameId};
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Share of the vertical in the frame's z axis from which z is up.
+    /// Vertical component of the frame's z axis from which z points up.
     pub min_up: f64,
-    /// Deviation up to which a frame beside it is its optical one, degrees.
+    /// Deviation up to which a related frame is its optical frame, degrees.
     pub optical_deg: f64,
 }
 
 /// Words of cameras that look straight up on purpose.
 pub(crate) const UPWARD_WORDS: &[&str] = &["up", "upward", "upwards", "ceiling", "sky", "zenith"];
 
-/// Whether this rule says of a camera's frame that it is no optical one.
+/// Whether NAME07 reports a camera's frame as not optical.
 pub(crate) fn reports(world: &Estimates, bag: &BagEvidence, frame: &FrameId) -> bool {
     let limits = world.limits::<crate::analysis::name::image_frame::Limits>();
     let is_up = || up(world, frame).is_some_and(|(_, z_up)| z_up > limits.min_up && !has_word(frame, UPWARD_WORDS));

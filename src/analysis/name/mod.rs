@@ -1,4 +1,4 @@
-//! What names of frames say.
+//! What the names of frames state.
 
 pub(crate) mod alike;
 pub(crate) mod cameras;

@@ -1,4 +1,4 @@
-//! Frames that are called optical, and their axes.
+//! Frames that are named optical, and their axes.
 
 use serde::Deserialize;
 
@@ -19,21 +19,21 @@ pub(crate) struct Limits {
 /// `link_from_optical` as URDF text.
 pub(crate) const OPTICAL_RPY: &str = "-1.5707963267948966 0 -1.5707963267948966";
 
-/// How far a turn is from the optical one, degrees.
+/// The angle between a mount's rotation and the optical one, degrees.
 pub(crate) fn off(mount: &Mount) -> f64 {
     rotation_angle_between(&AxisTurn::Optical.quaternion(), &mount.parent_from_optical).to_degrees()
 }
 
-/// Whether a mount tells what its optical frame is turned from: the camera's own link, or a mistake wherever it hangs.
+/// Whether a mount can be judged: its parent is the camera's own link, or its rotation is a mistake under any parent.
 pub(crate) fn tells(mount: &Mount, limits: &Limits) -> bool {
     let not_turned = mount.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
-    // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
+    // No camera is rolled by 90 deg and looks sideways at once: exactly the inverse is a mistake under any parent.
     let inverse = AxisTurn::Optical.quaternion().inverse();
     let is_inverse = rotation_angle_between(&inverse, &mount.parent_from_optical).to_degrees() <= limits.exact_deg;
     mount.is_sibling || (not_turned || is_inverse) && names::optical_stem(mount.parent).is_none()
 }
 
-/// The mount of an optical frame that is off most.
+/// The mount of an optical frame with the largest deviation.
 pub(crate) fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<'a>> {
     let stem = names::optical_stem(frame)?;
     mounts(graph, frame, &stem)
@@ -41,13 +41,13 @@ pub(crate) fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<
         .max_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-/// Whether this rule finds more than a calibration in the turn of a frame.
+/// Whether NAME06 finds more than a calibration in the rotation of a frame.
 pub(crate) fn reports(world: &Estimates, frame: &FrameId) -> bool {
     let limits = world.limits::<crate::analysis::name::optical::Limits>();
     worst(world.graph(), frame).is_some_and(|worst| off(&worst) > limits.calibrated_deg && tells(&worst, &limits))
 }
 
-/// Whether a frame is turned from the camera's own link as optical frames are.
+/// Whether a frame is rotated from the camera's own link as optical frames are.
 pub(crate) fn is_turned_from_its_link(world: &Estimates, frame: &FrameId) -> bool {
     let limits = world.limits::<crate::analysis::name::optical::Limits>();
     worst(world.graph(), frame).is_some_and(|worst| worst.is_sibling && off(&worst) <= limits.calibrated_deg)

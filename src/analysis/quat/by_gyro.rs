@@ -1,5 +1,5 @@
-//! The order of angles behind a quaternion, found by the gyro: taken apart in the right order, and put together as ROS does,
-//! the orientation is the integral of the gyro, and gravity does not contradict it.
+//! The order of the Euler angles behind a quaternion, by the gyro: decomposed in the right order and recomposed as in ROS, the
+//! orientation is the integral of the gyro and does not contradict gravity.
 //!
 //! Owns the search. Must not word a finding.
 
@@ -17,14 +17,14 @@ pub(crate) struct Ordered {
     pub(crate) alike: Vec<Order>,
     /// Residual of the orientation as published.
     pub(crate) as_published: f64,
-    /// ... taken apart in this order.
+    /// Residual when it is decomposed in this order.
     pub(crate) residual: f64,
-    /// ... in the best order that does not fit as well.
+    /// Residual of the best order that does not fit as well.
     pub(crate) next: f64,
     pub(crate) windows: u64,
 }
 
-/// How much better an order must be than the published one, and than the orders that are not the same.
+/// How much better an order must be than the published one, and than other orders.
 pub(crate) struct Margins {
     /// A residual up to this is an agreement.
     pub(crate) agrees: f64,
@@ -35,12 +35,12 @@ pub(crate) struct Margins {
 
 /// Length of the windows, seconds; as for QUAT01.
 const WINDOW_S: f64 = 0.5;
-/// Two orders whose residuals differ by less than this factor cannot be told apart.
+/// Two orders whose residuals differ by less than this factor cannot be distinguished.
 const ALIKE: f64 = 1.5;
-/// Mean cosine from the vertical beneath which an axis points down, steadily.
+/// Mean cosine to the vertical below which an axis steadily points down.
 const DOWN: f64 = -0.5;
 
-/// The order of angles that the quaternions of a sensor were made in, if the gyro shows one.
+/// The order of angles that the quaternions of a sensor are composed in, if the gyro shows one.
 pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option<Ordered> {
     let mut tried: Vec<(Order, Turns, f64)> = candidates()
         .filter(|order| !contradicts_gravity(oriented(imu, *order)))
@@ -50,7 +50,7 @@ pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option
             residual.is_finite().then_some((order, turns, residual))
         })
         .collect();
-    // Stable: of orders that fit alike the likelier one stays first.
+    // Stable: of orders that fit equally well the likelier one stays first.
     tried.sort_by(|a, b| a.2.total_cmp(&b.2));
     let best = tried.first()?.2;
     let floor = best.max(margins.noise);
@@ -85,7 +85,7 @@ pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option
     })
 }
 
-/// The orders of three axes whose middle angle is not the yaw: that one goes all round, and is lost as a middle one.
+/// The orders of three axes whose middle angle is not the yaw: a middle angle is limited to half a turn.
 fn candidates() -> impl Iterator<Item = Order> {
     const YAW: u8 = 2;
     let of_three = |order: &Order| order.numbers_of(&nalgebra::UnitQuaternion::identity()).is_some();
@@ -95,13 +95,13 @@ fn candidates() -> impl Iterator<Item = Order> {
         .filter(move |order| order.middle() != YAW && of_three(order))
 }
 
-/// The rotation that four numbers would be, had their angles been put together as ROS does.
+/// The rotation of four numbers with their angles recomposed as in ROS.
 fn in_order_of_ros(published: [f64; 4], order: Order) -> Option<UnitQuaternion<f64>> {
     let rotation = Reading::Xyzw.world_from_body(published)?;
     Some(Order::ROS.compose(order.numbers_of(&rotation)?))
 }
 
-/// Those rotations of a sensor, with the acceleration.
+/// Recomposed rotations of a sensor, with the acceleration.
 fn oriented(imu: &Imu, order: Order) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> + '_ {
     imu.stream.rows().filter_map(move |timed| {
         let rotation = in_order_of_ros(timed.row.orientation, order)?;
@@ -109,9 +109,8 @@ fn oriented(imu: &Imu, order: Order) -> impl Iterator<Item = (UnitQuaternion<f64
     })
 }
 
-/// Whether a body would stand on its head by its orientation, and the acceleration does not say so. An orientation whose body
-/// alone is forward, right, down looks like another order of angles on flat ground: its roll of half a turn changes places with
-/// its yaw.
+/// Whether a body would be upside down by its orientation, but not by the acceleration. An orientation with only its body in FRD
+/// looks like another order of angles on flat ground: its roll of 180 degrees swaps places with its yaw.
 fn contradicts_gravity(oriented: impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)>) -> bool {
     let (mut rows, mut body_up, mut force_up, mut force) = (0.0, 0.0, 0.0, 0.0);
     for (world_from_body, acceleration) in oriented.filter(|(_, force)| force.norm().is_finite()) {
@@ -120,11 +119,11 @@ fn contradicts_gravity(oriented: impl Iterator<Item = (UnitQuaternion<f64>, Vect
         force_up += (world_from_body * acceleration).z;
         force += acceleration.norm();
     }
-    // Hanging upside down, the force at rest points up in the world all the same.
+    // Upside down, the force at rest still points up in the world.
     body_up < DOWN * rows && force_up <= -DOWN * force
 }
 
-/// The rows of a sensor with the orientation that it would have, had its angles been put together as ROS does.
+/// The rows of a sensor with recomposed orientations.
 fn corrected(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
     let slots = |published: [f64; 4]| -> [f64; 4] {
         in_order_of_ros(published, order).map_or([f64::NAN; 4], |q| [q.coords.x, q.coords.y, q.coords.z, q.coords.w])
@@ -146,7 +145,7 @@ fn corrected(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
 mod tests {
     use super::*;
 
-    /// A drive in circles, level, by an orientation that stands this way up, with this acceleration in the body.
+    /// A level drive in circles, with this roll of the orientation and this acceleration in the body.
     fn turning(roll_rad: f64, up_m_s2: f64) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> {
         (0..100).map(move |row| {
             let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.1 * f64::from(row));
@@ -156,11 +155,11 @@ mod tests {
     }
 
     #[test]
-    fn only_an_orientation_on_its_head_that_gravity_does_not_see_is_contradicted() {
+    fn only_an_upside_down_orientation_without_matching_gravity_is_contradicted() {
         let half_turn = std::f64::consts::PI;
         assert!(contradicts_gravity(turning(half_turn, 9.81)), "a body in FRD alone");
         assert!(contradicts_gravity(turning(half_turn, 0.0)), "no gravity to confirm it");
-        assert!(!contradicts_gravity(turning(half_turn, -9.81)), "hangs upside down");
+        assert!(!contradicts_gravity(turning(half_turn, -9.81)), "mounted upside down");
         assert!(!contradicts_gravity(turning(0.1, 9.81)), "level");
         assert!(!contradicts_gravity(turning(0.1, -9.81)), "all of it in NED and FRD");
     }

@@ -29,7 +29,7 @@ pub(crate) struct Tilts {
     pub(crate) reordered: Level,
 }
 
-/// What the tilts say.
+/// The order by the tilts.
 pub(crate) enum Order {
     Right,
     Wrong,
@@ -57,7 +57,7 @@ impl Tilts {
         let ((as_is, turned), (other, other_turned)) = (degrees(&self.published), degrees(&self.reordered));
         let rows = self.published.rows;
         if (rows as f64) < limits.min_rows {
-            return Order::Unknown(format!("{rows} orientations, {} are needed", limits.min_rows));
+            return Order::Unknown(format!("only {rows} orientations, {} are needed", limits.min_rows));
         }
         let is_level = |tilt: f64| tilt < limits.level_deg;
         let is_tilted = |tilt: f64| tilt > limits.tilted_deg;
@@ -67,22 +67,22 @@ impl Tilts {
         let least = self.published.least_rad.to_degrees();
         if least > 90.0 - limits.tilted_deg {
             return Order::Unknown(format!(
-                "it lies on its side all the time, by {least:.0} to {as_is:.0} deg, as an optical frame does in a level one"
+                "it is on its side throughout (tilted by {least:.0} to {as_is:.0} deg), like an optical frame in a level one"
             ));
         }
         if is_tilted(as_is) && is_level(other) && other_turned >= limits.min_turn_deg {
             return Order::Wrong;
         }
-        let tilts = format!("tilted by {as_is:.0} deg as published and by {other:.0} deg read as w x y z");
+        let tilts = format!("tilted by {as_is:.0} deg as published and by {other:.0} deg read as w, x, y, z");
         Order::Unknown(if is_level(as_is) {
-            format!("{tilts}: while the yaw stays near 0 or 180 deg (it turns by {turned:.0}) both orders are level")
+            format!("{tilts}: with the yaw near 0 or 180 deg (it turns by {turned:.0} deg) both orders are level")
         } else if is_level(other) {
             format!(
-                "{tilts}, but it turns by {other_turned:.0} deg so read, {} are needed: a sensor on its side looks the same",
+                "{tilts}, but it rotates by only {other_turned:.0} deg in that order, {} deg are needed: a sensor on its side looks the same",
                 limits.min_turn_deg
             )
         } else {
-            format!("{tilts}: the platform is not level, or not in a world whose z is vertical")
+            format!("{tilts}: the platform is not level, or z of its world is not vertical")
         })
     }
 
@@ -91,15 +91,19 @@ impl Tilts {
             Measured::new(what, level.tilt_rad.to_degrees(), "deg").samples(level.rows as u64)
         };
         [
-            tilt("tilt as published, nine tenths", &self.published).limit(limits.tilted_deg),
-            tilt("tilt read as w x y z, nine tenths", &self.reordered).limit(limits.level_deg),
-            Measured::new("turned read as w x y z", self.reordered.turned_rad.to_degrees(), "deg")
-                .limit(limits.min_turn_deg),
+            tilt("tilt as published (90th percentile)", &self.published).limit(limits.tilted_deg),
+            tilt("tilt read as w, x, y, z (90th percentile)", &self.reordered).limit(limits.level_deg),
+            Measured::new(
+                "rotation read as w, x, y, z",
+                self.reordered.turned_rad.to_degrees(),
+                "deg",
+            )
+            .limit(limits.min_turn_deg),
         ]
     }
 }
 
-/// Whether the orientations of a stream stand in the order w x y z.
+/// Whether the orientations of a stream are in the order w, x, y, z.
 pub(crate) fn is_reordered(stream: &Stream<PoseRow>, limits: &Limits) -> bool {
     is_platform(stream) && Tilts::of_poses(stream).is_some_and(|tilts| matches!(tilts.order(limits), Order::Wrong))
 }

@@ -4,7 +4,7 @@ use crate::analysis::places::cover;
 use crate::source::Place;
 use crate::world::{Claim, FrameId, World};
 
-/// Where the scalar of a small rotation seems to stand.
+/// Position that looks like the scalar of a small rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slot {
     /// As in `w x y z`.
@@ -18,16 +18,16 @@ pub(crate) enum Slot {
 /// Four numbers of a file.
 #[derive(Debug)]
 pub(crate) struct Listed<'a> {
-    /// The claim that is spelled so.
+    /// The claim with this spelling.
     pub claim: &'a Claim,
     /// In the order of the file.
     pub written: [f64; 4],
-    /// Where their scalar seems to stand.
+    /// Position that looks like the scalar.
     pub slot: Slot,
 }
 
 impl<'a> Listed<'a> {
-    /// The four numbers of a claim; `scalar` is the size from which one looks like the scalar of a small rotation.
+    /// The four numbers of a claim; from the magnitude `scalar` on, one looks like the scalar of a small rotation.
     pub(crate) fn of(claim: &'a Claim, xyzw: [f64; 4], scalar: f64) -> Self {
         let mut written = xyzw;
         if claim.rotation_literals.len() == 4 {
@@ -50,7 +50,7 @@ impl<'a> Listed<'a> {
         format!("[{a}, {b}, {c}, {d}]")
     }
 
-    /// How it is called in rows.
+    /// Its subject in outcomes.
     pub(crate) fn subject(&self, world: &World) -> String {
         format!(
             "order of `{}` of {}",
@@ -59,7 +59,7 @@ impl<'a> Listed<'a> {
         )
     }
 
-    /// Where the four numbers stand.
+    /// Place of the four numbers.
     pub(crate) fn place(&self) -> Place {
         cover(&self.claim.rotation_literals, &self.claim.place)
     }

@@ -1,4 +1,4 @@
-//! Streams of orientations, and what two of them claim to have in common.
+//! Streams of orientations, and the frames that two of them state to share.
 //!
 //! Must not judge.
 
@@ -13,11 +13,11 @@ use crate::world::{FrameId, World};
 pub(crate) struct Oriented {
     pub(crate) subject: String,
     pub(crate) place: Place,
-    /// The frame that it is expressed in, where it has a name.
+    /// The frame that it is expressed in, if it has a name.
     pub(crate) world: Option<FrameId>,
     /// The frame that it is the orientation of.
     pub(crate) body: Option<FrameId>,
-    /// The measurement that shows a fault of the sensor best, which would show here too.
+    /// The measurement that shows a fault of the sensor best; the fault shows here too.
     pub(crate) shown_by: Option<Aspect>,
     pub(crate) turned: Turned,
 }
@@ -49,16 +49,16 @@ pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> V
     poses.chain(imus).collect()
 }
 
-/// What two streams claim to have in common.
+/// The frames that two streams state to share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Claim {
-    /// `a_from_b` of their bodies, where these are tied to each other: then only a change of the world is left.
-    /// Else both are expressed in a frame of one name, and only a change of the body is left.
+    /// `a_from_b` of their bodies, if these are tied to each other: then only the worlds may differ.
+    /// Else both are expressed in a frame of the same name, and only the bodies may differ.
     pub(crate) bodies: Option<UnitQuaternion<f64>>,
 }
 
 impl Claim {
-    /// `None` where they claim nothing.
+    /// `None` if they share no frame.
     pub(crate) fn of(world: &World, a: &Oriented, b: &Oriented) -> Option<Self> {
         let bodies = a.body.as_ref().zip(b.body.as_ref()).and_then(|(a, b)| {
             if a == b {

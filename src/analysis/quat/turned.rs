@@ -1,30 +1,30 @@
-//! Whether an orientation turns as the integral of its gyro.
+//! Whether an orientation is the integral of its gyro.
 
 use crate::analysis::quat::by_gyro::{Margins, Ordered, ordered};
 use crate::analysis::quat::ways::{Limits, Turned, Ways};
 use crate::analysis::{axes::causes::Turn, look::Look, motion::Imu};
 use crate::verdict::NotEvaluated;
 
-/// How the orientation turns against the gyro.
+/// The rotation of the orientation compared with the gyro.
 pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
     let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
     let Some(fast) = imu.inertial.turns.as_ref().and_then(Ways::of) else {
-        return little("no unbroken second of orientation and rate".to_owned());
+        return little("no gap-free second with both orientation and angular velocity".to_owned());
     };
     if fast.turns.step_s > limits.max_step_s {
         return little(format!(
-            "one message every {:.2} s: a gyro cannot be integrated at that rate, {} s are needed",
+            "one message every {:.2} s is too slow to integrate a gyro, {} s are needed",
             fast.turns.step_s, limits.max_step_s
         ));
     }
-    // A gyro in another unit is AXES02's: it hides whether the senses agree.
+    // A gyro in another unit is reported by AXES02; it hides whether the senses agree.
     let gain = fast.as_published.gain.abs().max(fast.inverse.gain.abs());
     if !(0.5..=2.0).contains(&gain) && fast.follows() > 0.9 {
         return little(format!(
-            "the scale of the gyro is {gain:.3} of the orientation's turning: it is in another unit"
+            "the orientation rotates {gain:.3} times as far as its gyro, so the gyro is in another unit"
         ));
     }
     let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
@@ -40,7 +40,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let class = ways.by_ratio(limits)?;
         let axis = fast.axis(class, limits).ok()?;
         Some(Turned {
-            // What a simpler fault explains is no matter of order.
+            // A simpler fault takes precedence over an order of angles.
             ordered: order.filter(|_| matches!(class, Turn::Agree | Turn::Tilting)),
             ..ways.found(class, axis, limits)
         })
@@ -48,11 +48,11 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
         let class = ways.by_gap(limits)?;
-        // As much noise as turning in short windows: what two or three long ones make of it may be chance.
+        // With as much noise as rotation in short windows, the result of two or three long ones may be chance.
         if ways.covers_little(limits) && fast.explains(class) > limits.slow_short {
             return None;
         }
-        // What noise hides in short windows is no proof against an axis.
+        // Noise in short windows proves nothing about an axis.
         let axis = fast.axis(class, limits).ok()?;
         axis.is_none().then(|| ways.found(class, None, limits))
     };
@@ -61,7 +61,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     }
     if !turns_enough(&fast) && !slow.as_ref().is_some_and(turns_enough) {
         return little(format!(
-            "it turns by {:.1} deg in windows with a rate, {} deg are needed",
+            "it rotates by only {:.1} deg while the gyro is recorded, {} deg are needed",
             fast.rotation_deg(),
             limits.min_rotation_deg
         ));
@@ -73,15 +73,15 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     little(fast.unclear(limits))
 }
 
-/// An orientation that hardly turns, though its gyro does: for a gyro that something else confirms.
+/// An orientation that hardly rotates although its gyro does; for a gyro that something else confirms.
 pub(crate) fn still(imu: &Imu, limits: &Limits) -> Option<Turned> {
     let fast = imu.inertial.turns.as_ref().and_then(Ways::of)?;
     let is_still = imu.no_orientation.is_none() && fast.is_still(limits);
     is_still.then(|| fast.found(Turn::Unrelated, None, limits))
 }
 
-/// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
-/// where anything speaks for it, at any rate.
+/// The order of the angles behind the orientation, if it is another one. The search is expensive and reliable, so it runs only when
+/// something indicates a fault.
 pub(crate) fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
     let own = fast.as_published.residual;
     let margins = Margins {

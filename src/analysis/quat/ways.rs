@@ -1,4 +1,4 @@
-//! What the windows of an orientation and a gyro say: which way of reading them fits.
+//! Comparison of an orientation with a gyro over windows: which reading of them fits.
 //!
 //! Owns the comparisons, by the limits of QUAT01's page. Must not judge.
 
@@ -10,7 +10,7 @@ use crate::analysis::quat::by_gyro::Ordered;
 use crate::math::turns::{Score, Turns};
 use crate::math::{readings::Reading, rotation::singular_values};
 
-/// An axis of which it cannot be told whether the orientation follows its gyro about it.
+/// It is unclear whether the orientation follows its gyro about an axis.
 pub(crate) struct Unclear;
 
 /// The windows with the scores of the readings.
@@ -19,16 +19,16 @@ pub(crate) struct Ways<'a> {
     pub(crate) as_published: Score,
     pub(crate) inverse: Score,
     reordered: Score,
-    /// Every way with a name but the published one, with its residual, the best first.
+    /// Every named reading except the published one, with its residual, the best first.
     others: Vec<(Turn, f64)>,
-    /// The smallest residual of the other readings of the four numbers.
+    /// The smallest residual of the other quaternion conventions.
     readings: f64,
-    /// The smallest residual of the gyro's other axes that have no name.
+    /// The smallest residual of the gyro with axes that have no name.
     unnamed: f64,
 }
 
 impl<'a> Ways<'a> {
-    /// `None` where a score is missing.
+    /// `None` if a score is missing.
     pub(crate) fn of(turns: &'a Turns) -> Option<Self> {
         let score = |reading: Reading| turns.score(reading).copied();
         let (as_published, inverse) = (score(Reading::Xyzw)?, score(Reading::Conjugate)?);
@@ -59,13 +59,13 @@ impl<'a> Ways<'a> {
         self.turns.rotation_rad.to_degrees()
     }
 
-    /// How well the orientation as published or its inverse follows the gyro, whatever its unit.
+    /// How well the orientation as published or its inverse follows the gyro, independent of the gyro's unit.
     pub(crate) fn follows(&self) -> f64 {
         let of = |score: &Score| score.gain_correlation.abs();
         of(&self.as_published).max(of(&self.inverse))
     }
 
-    /// The residual of the best way that is not the published one.
+    /// The residual of the best reading other than the published one.
     pub(crate) fn best(&self) -> f64 {
         self.others.first().map_or(f64::NAN, |way| way.1)
     }
@@ -75,7 +75,7 @@ impl<'a> Ways<'a> {
         self.turns.covered_s < limits.slow_s
     }
 
-    /// The residual of what was found: as published, or of the best other way.
+    /// The residual of the class: as published, or of the best other reading.
     pub(crate) fn explains(&self, class: Turn) -> f64 {
         match class {
             Turn::Agree | Turn::Tilting => self.as_published.residual,
@@ -83,7 +83,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// What was seen, by these windows.
+    /// The result of these windows.
     pub(crate) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
         let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
         Turned {
@@ -106,23 +106,23 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// How many axes turn fast enough to speak.
+    /// Number of axes that turn fast enough to be judged.
     fn speaking(&self, limits: &Limits) -> usize {
-        let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
-        self.turns.axis_rms_rad_s.iter().filter(speaks).count()
+        let turns = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
+        self.turns.axis_rms_rad_s.iter().filter(turns).count()
     }
 
-    /// Whether another reading of the four numbers is the simpler explanation.
+    /// Whether another quaternion convention is the simpler explanation.
     pub(crate) fn is_simpler(&self, limits: &Limits) -> bool {
         self.readings < limits.agrees
     }
 
-    /// Whether every way with a name, the simpler faults, explains less than something else that leaves this residual.
+    /// Whether every named reading, the simpler faults, explains less than something else with this residual.
     pub(crate) fn are_worse(&self, residual: f64, limits: &Limits) -> bool {
         self.best() >= limits.ratio * residual.max(limits.noise)
     }
 
-    /// Whether the orientation may not follow about an axis, though it does about another, noise or not.
+    /// Whether the orientation follows about one axis and perhaps not about another, noise aside.
     pub(crate) fn has_odd_axis(&self, limits: &Limits) -> bool {
         let correlation = self.as_published.axis_correlation;
         let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
@@ -132,10 +132,10 @@ impl<'a> Ways<'a> {
         })
     }
 
-    /// The way whose residual is small, the others' being some times as large.
+    /// The reading with a small residual, if those of the others are several times as large.
     pub(crate) fn by_ratio(&self, limits: &Limits) -> Option<Turn> {
         let own = self.as_published.residual;
-        // Of a straight drive to the west the inverse orientation pitches and rolls as the right one.
+        // On a straight drive to the west the inverse orientation pitches and rolls like the right one.
         if own < limits.agrees && self.readings >= limits.ratio * own.max(limits.noise) {
             return Some(self.agreement(limits));
         }
@@ -149,12 +149,12 @@ impl<'a> Ways<'a> {
         found.or_else(|| Some(self.several(is_alike)?).filter(|_| is_sound))
     }
 
-    /// The way that explains the turning, the noise of the orientation aside: noise adds the same square to every residual, so
-    /// what counts is how far their squares are apart.
+    /// The reading that explains the rotation apart from the orientation's noise: noise adds the same square to every residual, so the
+    /// differences of the squares count.
     pub(crate) fn by_gap(&self, limits: &Limits) -> Option<Turn> {
         let (own, best) = (self.as_published.residual.powi(2), self.best().powi(2));
         if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap && own - best < limits.slow_gap {
-            // Where the turning is mostly about one axis, other axes of the gyro serve nearly as well: not better, though.
+            // With rotation mostly about one axis, other axes of the gyro fit nearly as well, but not better.
             return (own - best < limits.slow_alike).then(|| self.agreement(limits));
         }
         if best > limits.slow_agrees || own - best < limits.slow_gap {
@@ -163,7 +163,7 @@ impl<'a> Ways<'a> {
         self.one_of(|residual| residual.powi(2) - best < limits.slow_gap, true)
     }
 
-    /// How the published orientation agrees: with the yaw, or not so that it would tell.
+    /// Whether the published orientation agrees in yaw as well, or the yaw is not measured.
     fn agreement(&self, limits: &Limits) -> Turn {
         let own = self.as_published.residual.powi(2);
         let mut yaw = self
@@ -178,7 +178,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// The way that alone is as good as the best; where several are, that they turn the other way, if they all do.
+    /// The reading that alone is as good as the best; if there are several, that all of them rotate the opposite way.
     fn one_of(&self, is_alike: impl Fn(f64) -> bool, opposes: bool) -> Option<Turn> {
         let alike = self.others.iter().filter(|way| is_alike(way.1)).map(|way| way.0);
         let alike: Vec<Turn> = alike.collect();
@@ -190,14 +190,14 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// Why it cannot be told how the orientation turns.
+    /// Why the reading is unclear.
     pub(crate) fn unclear(&self, limits: &Limits) -> String {
         let percent = |residual: f64| format!("{:.0} %", 100.0 * residual);
         let own = percent(self.as_published.residual);
         let best = self.best().min(self.unnamed);
         if best >= limits.agrees || self.as_published.residual < limits.ratio * best.max(limits.noise) {
             return format!(
-                "neither follows the other clearly: {own} of the turning is left unexplained as published, {} by the best other reading",
+                "orientation and gyro do not match clearly in any convention: residual {own} as published, {} in the best other one",
                 percent(self.best())
             );
         }
@@ -210,12 +210,12 @@ impl<'a> Ways<'a> {
             ways.push(format!("a gyro with other axes ({})", percent(self.unnamed)));
         }
         format!(
-            "{own} of the turning is left unexplained as published, and these explain it alike: {}; it turns about too few axes to tell",
+            "residual {own} as published, and several conventions explain it equally well: {}; record rotation about more axes",
             ways.join(", ")
         )
     }
 
-    /// The ways that are as good as the best, where readings of the four numbers are among them.
+    /// The readings that are as good as the best, if quaternion conventions are among them.
     fn several(&self, is_alike: impl Fn(f64) -> bool) -> Option<Turn> {
         let alike: Vec<Turn> = self
             .others
@@ -227,13 +227,13 @@ impl<'a> Ways<'a> {
         (alike.len() > 1 && has_reading).then(|| Turn::OneOf(Readings::of(&alike)))
     }
 
-    /// Whether the orientation turns, and not as the gyro does under any reading.
+    /// Whether the orientation rotates, but unlike the gyro in any reading.
     pub(crate) fn is_unrelated(&self, slow: Option<&Self>, limits: &Limits) -> bool {
         let follows = self.turns.scores.iter().map(explained);
         let own = self.as_published;
         let turned_deg = self.of_window(own.turn_power).sqrt().to_degrees();
-        // A gyro in degrees has a bias as large as a turn, and nothing turns; the noise of an orientation is no turn either, and is as large
-        // in a long window as in a short one. But no noise turns so far.
+        // The bias of a gyro in degrees is as large as a turn; the noise of an orientation looks like a turn, but is as large in a long
+        // window as in a short one, and has a limit.
         let grows = |of: fn(&Self) -> f64| slow.is_some_and(|slow| of(slow) >= limits.grows * of(self));
         let moves = own.turn_power >= limits.standing * own.gyro_power
             || turned_deg >= limits.moving_deg && grows(|ways| ways.of_window(ways.as_published.turn_power));
@@ -245,24 +245,24 @@ impl<'a> Ways<'a> {
             && turns
     }
 
-    /// The part of a sum of squares that falls to one window.
+    /// Share of one window in a sum of squares.
     fn of_window(&self, power: f64) -> f64 {
         power / self.turns.active.max(1) as f64
     }
 
-    /// The square of what the orientation as published leaves of the gyro's turn in one window.
+    /// The squared residual of the orientation as published in one window.
     fn remains_of_window(&self) -> f64 {
         self.of_window(self.as_published.residual.powi(2) * self.as_published.gyro_power)
     }
 
-    /// Whether the orientation, noise and all, hardly turns where the gyro does.
+    /// Whether the orientation, including its noise, hardly rotates while the gyro does.
     pub(crate) fn is_still(&self, limits: &Limits) -> bool {
         let own = self.as_published;
         own.turn_power < limits.standing * own.gyro_power && self.rotation_deg() >= limits.unrelated_deg
     }
 
-    /// Whether no reading, no other axes and no turn of them explains these windows and longer ones, though noise does not hide it: the noise
-    /// of an orientation is as large in a long window as in a short one, and a turn that is not the gyro's grows.
+    /// Whether no reading, no other axes and no rotation of them explains these windows and longer ones, apart from noise: the noise of an
+    /// orientation is as large in a long window as in a short one, while a rotation that is not the gyro's grows.
     pub(crate) fn is_unexplained(&self, slow: &Self, limits: &Limits) -> bool {
         let turns = |ways: &Self| {
             let own = ways.as_published;
@@ -279,8 +279,8 @@ impl<'a> Ways<'a> {
             && slow.remains_of_window() >= limits.grows * self.remains_of_window()
     }
 
-    /// For an orientation that follows its gyro on the whole, the axis about which it does not, if there is one; an error where
-    /// that cannot be told of an axis that turns.
+    /// For an orientation that follows its gyro overall, the axis about which it does not; an error if that is unclear for an axis that
+    /// turns.
     pub(crate) fn axis(&self, class: Turn, limits: &Limits) -> Result<Option<usize>, Unclear> {
         if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
             return Ok(None);
@@ -293,7 +293,7 @@ impl<'a> Ways<'a> {
             return Ok(None);
         };
         let window_s = self.turns.covered_s / self.turns.windows.max(1) as f64;
-        // Turning about one axis leaks into the others: scale, misalignment and the ends of windows.
+        // Rotation about one axis leaks into the others: scale, misalignment and the ends of windows.
         let largest = self.turns.axis_rms_rad_s.into_iter().fold(0.0, f64::max);
         let axes = score.axis_correlation.iter().zip(self.turns.axis_rms_rad_s).enumerate();
         let turning = axes.filter(|(_, (_, rms))| {
@@ -302,7 +302,7 @@ impl<'a> Ways<'a> {
                 && *rms >= limits.axis_share * largest
         });
         let mut unclear = false;
-        // What so many windows may leave of a correlation by chance.
+        // Correlations that so many windows may give by chance.
         let sure = |value: f64| {
             let degrees = (self.turns.active as f64 - 3.0).max(0.1);
             (value.clamp(-0.999, 0.999).atanh() + limits.axis_sigmas / degrees.sqrt()).tanh() < limits.axis_agrees
@@ -318,15 +318,15 @@ impl<'a> Ways<'a> {
     }
 }
 
-/// What a way of reading is, in a list of them.
+/// A reading, for a list of them.
 fn words(turn: Turn) -> &'static str {
     match turn {
         Turn::Inverse => "the inverse orientation",
-        Turn::Reordered => "its numbers read as w, x, y, z",
-        Turn::ReorderedInverse => "its numbers read as w, x, y, z, of the inverse",
+        Turn::Reordered => "order w, x, y, z",
+        Turn::ReorderedInverse => "order w, x, y, z, inverted",
         Turn::Frd => "a gyro or a body in FRD",
         Turn::Negated => "a negated gyro",
-        Turn::Yaw => "a yaw that turns the other way",
+        Turn::Yaw => "a reversed yaw",
         _ => "another reading",
     }
 }
@@ -339,15 +339,14 @@ fn is_reordered(turn: Turn) -> bool {
     matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
 }
 
-/// The correlation of the orientation's turns with the gyro's under the rotation or mirror that serves it best (Kabsch 1976):
-/// 0 to 1.
+/// The correlation of the orientation's rotations with the gyro's under the best rotation or reflection (Kabsch 1976): 0 to 1.
 fn explained(score: &Score) -> f64 {
     let sum = singular_values(&score.cross).map_or(0.0, |values| values.iter().sum::<f64>());
     let power = (score.gyro_power * score.turn_power).sqrt();
     if power > 0.0 { sum / power } else { 0.0 }
 }
 
-/// Residuals of the gyro with other axes: FRD, negated and with z alone negated have a name. Its own axes are left out.
+/// Residuals of the gyro with other axes: FRD, negated, and z alone negated have a name. Its own axes are excluded.
 fn maps(as_published: &Score) -> Vec<(Option<Turn>, f64)> {
     let Some(search) = as_published.axis_search() else {
         return Vec::new();
@@ -404,7 +403,7 @@ pub(crate) struct Limits {
     pub(crate) axis_sigmas: f64,
 }
 
-/// What was seen.
+/// The result.
 pub(crate) struct Turned {
     pub(crate) class: Turn,
     pub(crate) as_published: Score,
@@ -414,20 +413,20 @@ pub(crate) struct Turned {
     pub(crate) other_axes: f64,
     pub(crate) windows: usize,
     pub(crate) rotation_deg: f64,
-    /// The largest residual that agrees, in the windows that told.
+    /// The largest residual that agrees, in the windows that decided.
     pub(crate) limit: f64,
-    /// The axis about which it does not follow, of those that turn.
+    /// The axis about which it does not follow, among those that turn.
     pub(crate) axis: Option<usize>,
-    /// The order of angles behind it, where the gyro shows another than that of ROS.
+    /// The order of the angles behind it, if the gyro shows another one than that of ROS.
     pub(crate) ordered: Option<Ordered>,
-    /// How many axes turn fast enough to speak.
+    /// Number of axes that turn fast enough to be judged.
     pub(crate) speaking: usize,
     /// Root mean square of the rate about each axis, rad/s.
     pub(crate) axis_rms_rad_s: [f64; 3],
 }
 
 impl Turned {
-    /// Whether another order of angles would have shown: it turns about several axes.
+    /// Whether it turns about several axes, so that another order of angles would show.
     pub(crate) fn shows_order(&self) -> bool {
         self.speaking > 1
     }
@@ -437,7 +436,7 @@ impl Turned {
         self.axis_rms_rad_s.map(f64::to_degrees)
     }
 
-    /// Of orientation and gyro about each axis.
+    /// Correlations of orientation and gyro about each axis.
     pub(crate) fn correlations(&self) -> [Option<f64>; 3] {
         self.as_published.axis_correlation
     }

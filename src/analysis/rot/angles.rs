@@ -18,12 +18,12 @@ pub(crate) struct Angles<'a> {
     pub frames: Option<(FrameId, FrameId)>,
     /// Whether the transform is constant.
     pub is_rigid: bool,
-    /// Where the angles stand.
+    /// The place of the angles.
     pub place: Place,
 }
 
 impl Angles<'_> {
-    /// How they are called in rows.
+    /// Their name in rows.
     pub(crate) fn subject(&self, world: &World) -> String {
         format!("angles of {} of {}", self.name, world.path(self.place.source))
     }

@@ -1,4 +1,4 @@
-//! Numbers of rotations and translations as they stand in files.
+//! Numbers of rotations and translations as written in files.
 
 pub(crate) mod angles;
 pub(crate) mod parts;

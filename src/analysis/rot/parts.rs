@@ -10,23 +10,23 @@ use crate::world::{Claim, Literal, World};
 /// How far an entry of a bottom row may be from 0 or 1 and still be that number.
 const EXACT: f64 = 1e-9;
 
-/// A matrix that is further from a rotation is none (Frobenius norm of `R^T R - I`).
+/// A matrix further from a rotation than this is none (Frobenius norm of `R^T R - I`).
 const FAR: f64 = 1e-2;
-/// A matrix that is nearer is one, to a few printed digits.
+/// A matrix nearer than this is one, to a few printed digits.
 const NEAR: f64 = 1e-3;
 
 /// A matrix taken apart.
 #[derive(Debug)]
 pub(crate) struct Parts<'a> {
-    /// The claim that is spelled so.
+    /// The claim with this matrix.
     pub claim: &'a Claim,
     /// Columns as written.
     pub cols: usize,
     /// All numbers as written, row-major.
     pub values: &'a [f64],
-    /// The rotation block, read the right way round: also of a matrix that was stored transposed.
+    /// The rotation block, in the right orientation also for a matrix that was stored transposed.
     pub rotation: Matrix3<f64>,
-    /// Whether the translation stands in the bottom row.
+    /// Whether the translation is in the bottom row.
     pub transposed: bool,
     /// Whether it is a 3x4 that is a rotation only when it is read column by column.
     pub by_columns: bool,
@@ -71,12 +71,12 @@ impl<'a> Parts<'a> {
         world.claims.iter().filter_map(Self::of)
     }
 
-    /// The source the matrix stands in.
+    /// The source of the matrix.
     pub(crate) fn source(&self) -> SourceId {
         self.claim.place.source
     }
 
-    /// How the matrix is called in rows and messages.
+    /// The name of the matrix in rows and messages.
     pub(crate) fn subject(&self, world: &World) -> String {
         format!("`{}` of {}", self.claim.label, world.path(self.source()))
     }

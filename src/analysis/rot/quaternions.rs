@@ -15,12 +15,12 @@ pub(crate) struct Stated<'a> {
     pub xyzw: [f64; 4],
     /// Its four literals in the order of the file, or none.
     pub literals: &'a [Literal],
-    /// Where the statement stands.
+    /// The place of the statement.
     pub place: Place,
 }
 
 impl Stated<'_> {
-    /// How it is called in rows.
+    /// Its name in rows.
     pub(crate) fn subject(&self, world: &World) -> String {
         format!("quaternion of {} of {}", self.name, world.path(self.place.source))
     }

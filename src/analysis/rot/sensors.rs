@@ -1,4 +1,4 @@
-//! Mountings of sensors, told by the names of frames: a heuristic, good for hints only.
+//! Mountings of sensors, found by the names of frames: a heuristic, good for hints only.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ const KINDS: &[&[&[&str]]] = &[
     &[&["sonar", "ultrasonic"]],
 ];
 
-/// Words for frames that belong to a sensor or to its housing: what hangs on them may well coincide with them.
+/// Words for frames of a sensor or its housing: their children may coincide with them.
 const HOUSINGS: &[&str] = &[
     "stereo",
     "kinect2",
@@ -42,7 +42,7 @@ const HOUSINGS: &[&str] = &[
     "adapter",
 ];
 
-/// Words for frames that are drawn by a convention, not mounted.
+/// Words for frames that exist by convention and are not mounted.
 const VIRTUAL: &[&str] = &["optical", "footprint", "virtual", "dummy", "joint"];
 
 /// Words for parts and data of one sensor.
@@ -69,22 +69,22 @@ const PARTS: &[&str] = &[
     "mag",
 ];
 
-/// Words that say where something is mounted, or on what, and so name no device.
+/// Words for where, or on what, something is mounted, which name no device.
 const PLACES: &[&str] = &[
     "front", "rear", "back", "left", "right", "top", "upper", "lower", "roof", "center", "middle", "side", "base",
     "robot", "car", "vehicle", "ego", "body", "chassis", "arm", "head", "torso", "tool", "wrist",
 ];
 
-/// A sensor on something that is no sensor.
+/// A sensor mounted on something that is not a sensor.
 #[derive(Debug)]
 pub(crate) struct Mounting {
-    /// What it is mounted on.
+    /// The frame that it is mounted on.
     pub parent: FrameId,
     /// The sensor's frame.
     pub sensor: FrameId,
     /// The sensor's pose in the parent.
     pub parent_from_sensor: Isometry3<f64>,
-    /// Whether nothing was written at all.
+    /// Whether it has no `<origin>`.
     pub is_unstated: bool,
     /// Where.
     pub place: Place,

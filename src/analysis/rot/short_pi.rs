@@ -1,4 +1,4 @@
-//! Multiples of pi that were written with few digits.
+//! Multiples of pi that are written with few digits.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Every constant translation that a source states, in groups of one source: what is usual there and what is not.
+//! All constant translations by source.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use crate::analysis::{names::has_word, places::cover};
 use crate::source::{Place, SourceId};
 use crate::world::{ClaimKind, FrameId, Literal, World};
 
-/// Frames that are far from everything by right.
+/// Frames that may be far from everything.
 const WORLDS: &[&str] = &[
     "world", "map", "earth", "odom", "utm", "ecef", "enu", "ned", "origin", "global", "site", "datum", "local",
 ];
@@ -16,7 +16,7 @@ const WORLDS: &[&str] = &[
 pub(crate) struct Stated<'a> {
     /// What it belongs to, for messages and rows.
     pub name: String,
-    /// As spelled, in what the format declares to be metres.
+    /// As written, in the format's metres.
     pub xyz: [f64; 3],
     /// Its literals, where the text is known.
     pub literals: &'a [Literal],
@@ -24,7 +24,7 @@ pub(crate) struct Stated<'a> {
     pub frames: Option<(FrameId, FrameId)>,
     /// Whether it is that of a URDF joint.
     pub is_joint: bool,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 

@@ -1,4 +1,4 @@
-//! Every list of numbers that a robot description states, with the name of what it belongs to.
+//! Every list of numbers of a robot description, with its owner.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 use crate::source::Place;
 use crate::world::{Literal, Robot, robot::NumberList};
 
-/// What a list of numbers belongs to; spelled out only where something is wrong with it.
+/// The owner of a list of numbers; formatted only for a finding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner<'a> {
     /// The attribute.
@@ -31,7 +31,7 @@ pub(crate) struct Numbers<'a> {
     pub owner: Owner<'a>,
     /// The literals, in order.
     pub literals: &'a [Literal],
-    /// Where they stand.
+    /// Their place.
     pub place: Place,
 }
 

@@ -1,11 +1,11 @@
-//! Moments of clouds, and the motion of a lidar between two of them.
+//! Times of clouds, and the motion of a lidar between two of them.
 
 use nalgebra::Isometry2;
 
 /// Stamps of one clock differ from log times by less than this, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
 
-/// When a cloud was made, seconds after the recording's start.
+/// Time of a cloud, seconds after the recording's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moment {
     stamp_s: Option<f64>,
@@ -13,7 +13,7 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    /// Of a message with such a stamp, where it has one, and such a log time.
+    /// Of a message with this stamp, if it has one, and log time.
     pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
         let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
         Self {
@@ -22,7 +22,7 @@ impl Moment {
         }
     }
 
-    /// How long after another, seconds: by stamps, where both have them.
+    /// Time since another, seconds: by stamps, if both have them.
     pub(crate) fn since(&self, earlier: &Self) -> f64 {
         match (self.stamp_s, earlier.stamp_s) {
             (Some(to), Some(from)) => to - from,
@@ -30,7 +30,7 @@ impl Moment {
         }
     }
 
-    /// The same moment on the clock of a stream whose stamps are so much later than its log times.
+    /// The same time on the clock of a stream with this offset between stamps and log times.
     pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
         let by_stamps = self
             .stamp_s
@@ -47,24 +47,24 @@ impl Moment {
 pub(crate) struct Moved {
     pub(crate) from: Moment,
     pub(crate) to: Moment,
-    /// `from_level_from_to_level`: where the later sensor is in the level axes of the earlier one ([`Steps`](super::Steps)).
+    /// `from_level_from_to_level`: pose of the later sensor in the level axes of the earlier one ([`Steps`](super::Steps)).
     pub(crate) motion: Isometry2<f64>,
     /// Standard errors of the angle and of the place, radians and metres.
     pub(crate) sigma: [f64; 2],
 }
 
 impl Moved {
-    /// How far it went, metres.
+    /// Distance, metres.
     pub(crate) fn way_m(&self) -> f64 {
         self.motion.translation.vector.norm()
     }
 
-    /// How far it turned about the level z, radians.
+    /// Rotation about the level z, radians.
     pub(crate) fn turned_rad(&self) -> f64 {
         self.motion.rotation.angle()
     }
 
-    /// How long it took, seconds.
+    /// Duration, seconds.
     pub(crate) fn lasted_s(&self) -> f64 {
         self.to.since(&self.from)
     }

@@ -1,7 +1,7 @@
 //! The clouds of one run matched to each other.
 //!
-//! Owns the pose of each cloud in the axes of the first: the points are brought to one moment by the motion that the last step shows,
-//! and matched to a key cloud as long as enough of it is seen. Must not say which clouds, nor which way is up.
+//! Owns the pose of each cloud in the axes of the first: the points are brought to one time by the motion of the last step, and
+//! matched to a key cloud as long as enough of it is visible. Must not decide which clouds, nor which way is up.
 
 use nalgebra::{Isometry2, Vector2, Vector3};
 
@@ -9,12 +9,12 @@ use crate::analysis::scan_motion::moved::{Moment, Moved};
 use crate::math::scan_match::{Matched, Scan, matched};
 use crate::world::cloud::CloudSlice;
 
-/// Where a first scan may have come from, metres in x and y.
+/// Initial guesses for the first step, metres in x and y.
 const GUESSES: [[f64; 2]; 5] = [[0.0, 0.0], [0.8, 0.0], [-0.8, 0.0], [0.0, 0.8], [0.0, -0.8]];
-/// Share of a cloud that must find its lines in the key cloud; else the last one becomes the key.
+/// Share of a cloud that must match lines of the key cloud; else the last one becomes the key.
 const KEY_OVERLAP: f64 = 0.7;
 
-/// A cloud of a run, and where its sensor was.
+/// A cloud of a run, with the pose of its sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
     moment: Moment,
@@ -40,10 +40,10 @@ impl Seen {
     }
 }
 
-/// A cloud as it was measured, on the move.
+/// A cloud as measured by a moving sensor.
 pub(crate) struct Raw {
     moment: Moment,
-    /// Points, and when each was measured, seconds after the middle of the cloud.
+    /// Points, and their times, seconds after the middle of the cloud.
     points: Vec<(Vector2<f64>, f64)>,
 }
 
@@ -68,7 +68,7 @@ impl Raw {
         }
     }
 
-    /// The points as they would be had all been measured at once, by a sensor that moves at this rate.
+    /// The points at one time, for a sensor that moves at this rate.
     fn scan(&self, rate: &Rate) -> Scan {
         Scan::new(self.points.iter().map(|(point, after_s)| {
             let moved = Isometry2::new(rate.m_s * *after_s, rate.rad_s * after_s);
@@ -77,7 +77,7 @@ impl Raw {
     }
 }
 
-/// How fast a sensor moves in its plane.
+/// Velocity of a sensor in its plane.
 #[derive(Clone, Copy, Debug)]
 struct Rate {
     m_s: Vector2<f64>,
@@ -101,7 +101,7 @@ impl Rate {
     }
 }
 
-/// A run in the making. Clouds are matched to one key cloud as long as they show enough of it: errors of steps would add up.
+/// A run that is being matched. Clouds are matched to one key cloud as long as they show enough of it, since errors of steps add up.
 pub(crate) struct Matching {
     key: Scan,
     /// Pose of the key cloud, and its variances.
@@ -110,7 +110,7 @@ pub(crate) struct Matching {
     last: Scan,
     /// `last_but_one_from_last`, and the rate that it makes.
     step: Option<(Isometry2<f64>, Rate)>,
-    /// The first cloud, as long as no step shows how fast the sensor moves.
+    /// The first cloud, until a step shows the sensor's velocity.
     first: Option<Raw>,
     pub(crate) seen: Vec<Seen>,
 }
@@ -134,7 +134,7 @@ impl Matching {
         }
     }
 
-    /// Takes in the next cloud; gives what was matched so far where this one cannot be.
+    /// Adds the next cloud; returns the clouds matched so far if this one cannot be matched.
     pub(crate) fn take_in(&mut self, raw: Raw) -> Option<Vec<Seen>> {
         let found = match self.first.take() {
             Some(first) => self.second(&first, &raw),
@@ -156,7 +156,7 @@ impl Matching {
         None
     }
 
-    /// The second cloud against the first: from the best of several guesses, and again once it shows how fast the sensor moves.
+    /// Matches the second cloud to the first: from the best of several guesses, and again with the velocity that results.
     fn second(&mut self, first: &Raw, raw: &Raw) -> Option<(Matched, Scan)> {
         let still = raw.scan(&Rate::NONE);
         let tried = GUESSES.map(|[x, y]| matched(&self.key, &still, &Isometry2::new(Vector2::new(x, y), 0.0)));
@@ -168,7 +168,7 @@ impl Matching {
         Some((matched(&self.key, &scan, &rough.motion)?, scan))
     }
 
-    /// A later cloud: about where the last step leads.
+    /// Matches a later cloud, starting from the last step.
     fn next(&mut self, raw: &Raw) -> Option<(Matched, Scan)> {
         let (step, rate) = self.step?;
         let scan = raw.scan(&rate);

@@ -1,4 +1,4 @@
-//! A lidar whose clouds are turned about z against its mounting, by a quarter or half a turn: what that may come from.
+//! Possible causes where the clouds of a lidar are rotated about z from its mounting by 90 or 180 deg.
 //!
 //! Must not measure.
 
@@ -9,20 +9,20 @@ use crate::analysis::{Estimates, hand_eye::HandEye, lidar::Clouds, ouster};
 use crate::tables::{Forward, Lidar, OusterPart};
 use crate::world::{FrameId, World};
 
-/// What a mounting that lacks quarter turns may come from.
+/// Possible causes of a mounting that is off by quarter turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// An Ouster whose clouds are expressed in another of its frames than they say.
+    /// An Ouster whose clouds are expressed in its other frame than the one that they name.
     OusterFrame,
-    /// An Ouster between whose frames TF lacks the half turn.
+    /// An Ouster where TF lacks the half turn between its two frames.
     OusterTf,
-    /// An Ouster that was mounted for its other frame.
+    /// An Ouster whose mounting was made for its other frame.
     OusterMounting,
-    /// A lidar whose drivers leave azimuth 0 on x or on y.
+    /// A lidar whose drivers put azimuth 0 on x or on y.
     Driver,
 }
 
-/// What so many quarter turns of a lidar's mounting may come from, where its device tells.
+/// The possible cause of so many quarter turns of a lidar's mounting, where the device is known.
 pub(crate) fn origin(world: &Estimates, clouds: &Clouds, known: &HandEye, quarters: i8) -> Option<Origin> {
     match quarters {
         2 | -2 if ouster::is_of_an_ouster(world, clouds) => {
@@ -35,7 +35,7 @@ pub(crate) fn origin(world: &Estimates, clouds: &Clouds, known: &HandEye, quarte
     }
 }
 
-/// What half a turn of an Ouster comes from, where it is not its mounting.
+/// The cause of half a turn of an Ouster, where it is not its mounting.
 pub(crate) fn half_turn(world: &Estimates, clouds: &Clouds, body: &FrameId, lidar: &FrameId) -> Option<Origin> {
     let said = clouds.frame().and_then(|frame| Axes::of(&frame));
     let seen = axes(world, clouds);
@@ -46,7 +46,7 @@ pub(crate) fn half_turn(world: &Estimates, clouds: &Clouds, body: &FrameId, lida
     is_off.then_some(Origin::OusterTf)
 }
 
-/// The axes that the clouds of an Ouster are expressed in, where they show.
+/// The axes that the clouds of an Ouster are expressed in, where they can be determined.
 pub(crate) fn axes(world: &Estimates, clouds: &Clouds) -> Option<Axes> {
     let limits = world.limits::<crate::analysis::sensor::ouster_look::Limits>();
     crate::analysis::sensor::ouster_look::look(clouds, &limits).ok()?.axes
@@ -63,14 +63,14 @@ fn unturned(world: &World) -> Vec<(FrameId, FrameId)> {
         .collect()
 }
 
-/// Whether the way from one frame to another goes over the edge between these two.
+/// Whether the chain from one frame to another contains the edge between these two.
 fn in_chain(world: &World, from: &FrameId, to: &FrameId, a: &FrameId, b: &FrameId) -> bool {
     edges(world, from, to)
         .iter()
         .any(|edge| (edge.parent == *a && edge.child == *b) || (edge.parent == *b && edge.child == *a))
 }
 
-/// An edge of the way from the body to a lidar.
+/// An edge of the chain from the body to a lidar.
 #[derive(Clone, Debug)]
 pub(crate) struct Edge {
     pub(crate) parent: FrameId,
@@ -96,13 +96,13 @@ pub(crate) fn edges(world: &World, from: &FrameId, to: &FrameId) -> Vec<Edge> {
         .collect()
 }
 
-/// What the tables know of the lidar of these clouds: by the words of topic and frame, else by the layout of its points.
+/// The lidar of these clouds in the tables: by the words of topic and frame, else by the fields of its points.
 pub(crate) fn lidar(world: &World, clouds: &Clouds) -> Option<Arc<Lidar>> {
     let mut words = clouds.topic.words();
     words.extend(clouds.frame().map(|frame| frame.tokens()).unwrap_or_default());
     let by_layout = || {
         let name = clouds.driver?.name.to_lowercase();
-        // A layout that two makers share says neither.
+        // A layout that two makers share identifies neither.
         let words: Vec<String> = name
             .split(|letter: char| !letter.is_alphanumeric())
             .map(str::to_owned)

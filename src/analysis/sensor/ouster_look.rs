@@ -27,15 +27,15 @@ pub(crate) struct First {
     pub(crate) other: f64,
 }
 
-/// Where the first column of a topic's clouds lies.
+/// The azimuth of the first column of a topic's clouds.
 pub(crate) struct Seen {
-    /// The frame in whose axes the clouds are told; `None` where the first column is at neither's.
+    /// The frame that the clouds are expressed in; `None` where the first column matches neither.
     pub(crate) axes: Option<Axes>,
     pub(crate) azimuth_rad: f64,
     pub(crate) measured: [Measured; 3],
 }
 
-/// Which axes the clouds are expressed in; the error says why that does not show.
+/// Which axes the clouds are expressed in, or why that is not determined.
 pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
     let firsts: Vec<First> = clouds
         .evidence
@@ -52,7 +52,7 @@ pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
         ));
     }
     let mean = circular_mean(firsts.iter().map(|first| (first.azimuth_rad, 1.0)));
-    let mean = mean.ok_or("the first columns of the clouds lie in all directions")?;
+    let mean = mean.ok_or("the first columns of the clouds have no common azimuth")?;
     let least = firsts.iter().map(|first| first.resultant).fold(1.0, f64::min);
     let other = firsts.iter().map(|first| first.other).fold(0.0, f64::max);
     let near = |axes: &Axes| difference(mean.mean_rad, axes.azimuth_rad()).abs().to_degrees() <= limits.max_off_deg;
@@ -83,12 +83,12 @@ pub(crate) fn share(clouds: &Clouds, sample: &CloudSample, index: usize) -> Opti
     Some(point.time * unit_s / clouds.period_s()?)
 }
 
-/// The azimuth of the first column of a cloud; `None` where it does not show.
+/// The azimuth of the first column of a cloud; `None` where it is not determined.
 pub(crate) fn first(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<First> {
     let is_organised = is_organised(sample);
     let share = |index: usize| share(clouds, sample, index);
     if !is_organised {
-        // A part of a turn, or one whose first time is not that of its first column, would be turned.
+        // A part of a turn, or a turn whose first time is not that of its first column, would give a wrong azimuth.
         let times = sample.times.as_ref()?;
         let (unit_s, _) = clouds.unit(times)?;
         let span = (times.range[1] - times.range[0]) * unit_s / clouds.period_s()?;

@@ -1,4 +1,4 @@
-//! A yaw against an angle that is known clockwise from north: which way it turns, and where its zero is.
+//! A yaw compared with an angle that is known clockwise from north: in which direction it grows, and where its zero is.
 //!
 //! Must not report.
 
@@ -16,21 +16,21 @@ use crate::source::Place;
 pub(crate) struct Found {
     /// Whether it grows clockwise, seen from above.
     pub(crate) is_clockwise: bool,
-    /// The yaw minus the compass heading, or minus the yaw that REP-103 asks for, by its sense; `None` where the other
-    /// angle does not know where north is.
+    /// The yaw minus the compass heading, or minus the yaw by REP-103, depending on the direction; `None` where the zero of the other
+    /// angle is not known.
     pub(crate) zero_rad: Option<f64>,
     /// Resultant of that difference, and of the difference by the other sense.
     pub(crate) resultants: [f64; 2],
     /// How many angles were compared.
     pub(crate) samples: usize,
-    /// What it was held against.
+    /// What it was compared with.
     pub(crate) other: String,
-    /// Where that begins.
+    /// The place of that.
     pub(crate) other_at: Place,
 }
 
-/// Holds a yaw against angles that are stated. With a turn the sense shows. Without one, where that is not needed, a yaw is
-/// a compass heading where it has the same value, and the yaw by REP-103 would be far from it.
+/// Compares a yaw with stated headings. A turn shows the direction. Without one, where none is required, a yaw is a compass heading if it
+/// has the same value, and the yaw by REP-103 would be far from it.
 pub(crate) fn by_compass(
     yaws: &Yaws,
     compass: &Compass,
@@ -81,7 +81,7 @@ pub(crate) fn by_compass(
     }
 }
 
-/// Holds a yaw against the courses of a track, as AXES04 does. `knows_north` says whether a course of zero is east.
+/// Compares a yaw with the courses of a track, as AXES04 does. `knows_north`: whether a course of zero is east.
 pub(crate) fn by_track(
     yaws: &Yaws,
     track: &Track,

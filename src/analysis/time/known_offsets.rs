@@ -1,4 +1,4 @@
-//! Offsets between clocks that have a name: leap seconds, epochs, time zones, wraps.
+//! Offsets between clocks that have a known cause: leap seconds, epochs, time zones, wraps.
 //!
 //! Sources: `rules/tables/leap-seconds.yaml` for the leap seconds; GPS epoch 1980-01-06 = Unix 315964800; NTP epoch 1900
 //! = 2208988800 s before Unix; HFS epoch 1904 = 2082844800 s. Must not know streams.
@@ -13,7 +13,7 @@ const ROLLOVER_S: f64 = 619_315_200.0;
 /// How specific an explanation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Specific {
-    /// One of a dense family, or so small that latency comes near it: a random offset matches now and then.
+    /// One of a dense family, or as small as a latency: a random offset matches now and then.
     Family,
     /// A single number.
     Single,
@@ -28,7 +28,7 @@ pub(crate) struct Named {
     pub(crate) what: String,
     /// How specific it is.
     pub(crate) specific: Specific,
-    /// Entries of one cause, of which the nearest speaks.
+    /// Entries of one cause, of which the nearest counts.
     cause: &'static str,
     /// Whether latency is of its size: only the fine tolerance is allowed.
     fine: bool,
@@ -46,16 +46,16 @@ impl Named {
     }
 }
 
-/// How far an offset may lie from its name, seconds.
+/// How far an offset may be from that of its cause, seconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
     /// Of all entries.
     pub(crate) usual_s: f64,
-    /// Of those that latency comes near.
+    /// Of those that are as small as a latency.
     pub(crate) fine_s: f64,
 }
 
-/// What the dictionary says of an offset.
+/// How the dictionary explains an offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Explanation {
     /// Nothing.
@@ -79,16 +79,31 @@ fn entry(cause: &'static str, offset_s: f64, specific: Specific, what: String) -
 
 /// Leap seconds: `GPS - UTC`, `TAI - UTC` and `TAI - GPS`, either way.
 fn leaps(gps: f64, tai: f64) -> Vec<Named> {
-    let ahead = [
-        ("gps", gps, format!("GPS time taken for UTC: {gps} leap seconds")),
-        ("tai", tai, format!("TAI (PTP) taken for UTC: {tai} leap seconds")),
-        ("tai-gps", 19.0, "TAI taken for GPS time: 19 s".to_owned()),
+    let twice = "subtracted twice, or from the wrong clock";
+    let words = [
+        (
+            "gps",
+            gps,
+            format!("GPS time used as UTC ({gps} leap seconds)"),
+            format!("{gps} leap seconds {twice}"),
+        ),
+        (
+            "tai",
+            tai,
+            format!("TAI (PTP) used as UTC ({tai} leap seconds)"),
+            format!("{tai} leap seconds {twice}"),
+        ),
+        (
+            "tai-gps",
+            19.0,
+            "TAI used as GPS time (19 s)".to_owned(),
+            format!("TAI - GPS (19 s) {twice}"),
+        ),
     ];
-    let behind = |what: &str| format!("{what}, subtracted twice or from the wrong clock");
-    let both = ahead.into_iter().flat_map(|(cause, offset, what)| {
+    let both = words.into_iter().flat_map(|(cause, offset, ahead, behind)| {
         [
-            entry(cause, -offset, Specific::Single, behind(&what)),
-            entry(cause, offset, Specific::Single, what),
+            entry(cause, -offset, Specific::Single, behind),
+            entry(cause, offset, Specific::Single, ahead),
         ]
     });
     both.collect()
@@ -98,35 +113,35 @@ fn leaps(gps: f64, tai: f64) -> Vec<Named> {
 fn singles(gps: f64) -> Vec<Named> {
     let single = |cause, offset, what: &str| entry(cause, offset, Specific::Single, what.to_owned());
     let mut table = vec![
-        single("ntp", 2_208_988_800.0, "the NTP epoch (1900) taken for the Unix epoch"),
-        single("hfs", 2_082_844_800.0, "the 1904 epoch taken for the Unix epoch"),
+        single("ntp", 2_208_988_800.0, "the NTP epoch (1900) used as the Unix epoch"),
+        single("hfs", 2_082_844_800.0, "the 1904 epoch (HFS) used as the Unix epoch"),
     ];
     for leap in [0.0, gps, 19.0] {
-        let words = if leap == 0.0 { "" } else { " and leap seconds" };
-        let what = format!("the GPS epoch (1980) taken for the Unix epoch (1970){words}");
+        let words = if leap == 0.0 { "" } else { ", with leap seconds" };
+        let what = format!("the GPS epoch (1980) used as the Unix epoch{words}");
         table.push(single("gps epoch", leap - GPS_EPOCH_S, &what));
     }
     for count in [1.0, 2.0] {
-        let what = format!("GPS week rollover (1024 weeks), {count} time(s)");
+        let what = format!("GPS week rollover ({count} x 1024 weeks)");
         table.extend([-1.0, 1.0].map(|sign| single("rollover", sign * count * ROLLOVER_S, &what)));
     }
-    let wrapped = "a 32-bit microsecond counter that wrapped once";
+    let wrapped = "a 32-bit microsecond counter wrapped once";
     table.extend([-1.0, 1.0].map(|sign| single("us", sign * 4_294.967_296, wrapped)));
     table
 }
 
-/// Offsets that latency comes near.
+/// Offsets as small as a latency.
 fn fine() -> impl Iterator<Item = Named> {
-    let wrapped = "a 32-bit nanosecond counter that wrapped once";
+    let wrapped = "a 32-bit nanosecond counter wrapped once";
     let table = [
         ("ns", 4.294_967_296, wrapped),
         ("ns", -4.294_967_296, wrapped),
         (
             "pps",
             1.0,
-            "a pulse per second counted one too many, or a leap second that the clock's table lacks",
+            "one pulse per second (PPS) too many, or a leap second missing in a table",
         ),
-        ("pps", -1.0, "a pulse per second counted one too few"),
+        ("pps", -1.0, "one pulse per second (PPS) was not counted"),
     ];
     table.into_iter().map(|(cause, offset, what)| Named {
         fine: true,
@@ -139,7 +154,7 @@ fn families(offset_s: f64) -> Vec<Named> {
     let mut found = Vec::new();
     let quarters = (offset_s / 900.0).round();
     if quarters != 0.0 && quarters.abs() <= 56.0 {
-        let what = format!("local time taken for UTC, or an hour ambiguity: {} h", quarters / 4.0);
+        let what = format!("local time used as UTC, or an ambiguous hour ({} h)", quarters / 4.0);
         found.push(entry("zone", quarters * 900.0, Specific::Family, what));
     }
     for (unit, word) in [(604_800.0, "weeks"), (86_400.0, "days")] {
@@ -152,7 +167,7 @@ fn families(offset_s: f64) -> Vec<Named> {
     found
 }
 
-/// What the dictionary says of an offset `stamp - log`. `log_s` is the Unix time of the recording: the leap seconds of
+/// How the dictionary explains an offset `stamp - log`. `log_s` is the Unix time of the recording: the leap seconds of
 /// that day are used.
 pub(crate) fn explain(offset_s: f64, tolerance: Tolerance, log_s: f64) -> Explanation {
     let leap = leap_seconds();
@@ -176,9 +191,9 @@ pub(crate) fn explain(offset_s: f64, tolerance: Tolerance, log_s: f64) -> Explan
     let best = hits.first().map(|named| named.specific);
     let mut causes = Vec::new();
     hits.retain(|named| {
-        let speaks = Some(named.specific) == best && !causes.contains(&named.cause);
+        let counts = Some(named.specific) == best && !causes.contains(&named.cause);
         causes.push(named.cause);
-        speaks
+        counts
     });
     match hits.len() {
         0 => Explanation::Unknown,
@@ -205,8 +220,9 @@ mod tests {
     #[test]
     fn an_offset_is_named_or_not() {
         let first = |offset: f64| words(offset, 1.7e9);
-        assert!(first(18.02).unwrap().starts_with("GPS time taken for UTC"));
-        assert!(first(-37.0).unwrap().starts_with("TAI (PTP)"));
+        assert!(first(18.02).unwrap().starts_with("GPS time used as UTC"));
+        assert!(first(37.0).unwrap().starts_with("TAI (PTP)"));
+        assert!(first(-37.0).unwrap().starts_with("37 leap seconds subtracted"));
         assert!(first(-19.2).unwrap().contains("subtracted"));
         assert!(first(-315_964_782.0).unwrap().contains("GPS epoch"));
         assert!(first(3600.2).unwrap().contains("1 h"));

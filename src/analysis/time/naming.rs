@@ -1,4 +1,4 @@
-//! The name of a stream's offset, as TIME01 finds it; asked by the rules that leave named offsets to it.
+//! The known cause of a stream's offset, as TIME01 finds it; used by the rules that leave such offsets to TIME01.
 //!
 //! Must not report.
 
@@ -10,7 +10,7 @@ use crate::analysis::{time::simulated::Time, time::units::unit_error};
 use crate::math::stats::median;
 use crate::world::BagEvidence;
 
-/// What the offsets of a recording's streams are held against.
+/// What the offsets of a recording's streams are compared with.
 pub(crate) struct Naming<'l> {
     limits: &'l Limits,
     /// Log time at the start, Unix seconds.
@@ -18,7 +18,7 @@ pub(crate) struct Naming<'l> {
     log_clock: Clock,
     /// The offset that the streams have in common, seconds; `None` where there is one stream only.
     common_s: Option<f64>,
-    /// Whether the recording runs in simulated time: its clock moves in ticks, which stamps may lie between.
+    /// Whether the recording runs in simulated time: its clock moves in ticks, and stamps may be between two ticks.
     pub(crate) is_simulated: bool,
 }
 
@@ -29,7 +29,7 @@ impl<'l> Naming<'l> {
             .filter(|stream| stream.stamps.count >= limits.min_messages)
             .filter_map(|stream| stream.offset_s().map(|(offset, _)| offset))
             .collect();
-        // Some stream that agrees with the log clock shows that the log clock is the sensors' own.
+        // A stream that agrees with the log clock shows that the log clock is also that of sensors.
         let trusted = offsets.iter().any(|offset| offset.abs() <= limits.quiet_s);
         let common = if trusted { Some(0.0) } else { median(&offsets) };
         Self {
@@ -41,7 +41,7 @@ impl<'l> Naming<'l> {
         }
     }
 
-    /// Whether both clocks show calendar time: only then is there an offset to name.
+    /// Whether both clocks show calendar time: only then can the offset have a known cause.
     pub(crate) fn is_calendar(&self, stream: &Stream<'_>) -> bool {
         stream.clock() == Some(Clock::Calendar) && self.log_clock == Clock::Calendar
     }
@@ -51,7 +51,7 @@ impl<'l> Naming<'l> {
         stream.clock() == Some(self.log_clock)
     }
 
-    /// What explains the stream's offset, and what it is held against.
+    /// What explains the stream's offset, and what it was compared with.
     pub(crate) fn explain(&self, stream: &Stream<'_>) -> (Explanation, &'static str) {
         let Some((offset, spread)) = stream.offset_s() else {
             return (Explanation::Unknown, "");
@@ -65,7 +65,7 @@ impl<'l> Naming<'l> {
             usual_s: widened(limits.base_tolerance_s),
             fine_s: limits.fine_tolerance_s,
         };
-        // A second late is what a slow stream is anyway.
+        // A slow stream may be a second late without a fault.
         let slow = stream
             .stamps
             .median_step_ns
@@ -86,7 +86,7 @@ impl<'l> Naming<'l> {
         }
     }
 
-    /// Whether TIME01 has a word for the stream.
+    /// Whether TIME01 has an explanation for the stream.
     pub(crate) fn has_word(&self, stream: &Stream<'_>) -> bool {
         unit_error(stream, self.log_s).is_some() || matches!(self.explain(stream).0, Explanation::One(_))
     }

@@ -1,6 +1,6 @@
 //! The offset of one signal against another, and whether it is one at all.
 //!
-//! Owns what makes a lag count. Must not say whether it is too large.
+//! Owns what makes a lag count. Must not judge whether it is too large.
 
 use serde::Deserialize;
 
@@ -8,10 +8,10 @@ use crate::analysis::time::turning::{Kind, Runs, Signal};
 use crate::math::lag::{Lag, Options, Peak, lag};
 use crate::world::World;
 
-/// Lags farther from the best one than this are others, seconds.
+/// Lags farther from the best one than this count as different, seconds.
 const GUARD_S: f64 = 2.0;
 
-/// By what two signals are held together.
+/// By what two signals are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum By {
     YawRate,
@@ -44,28 +44,28 @@ pub(crate) struct Offset {
 
 /// Why there is no offset.
 pub(crate) enum Without {
-    /// The signals do not tell; how near they came, and why.
+    /// The signals do not determine one: their correlation, and why.
     Silent(f64, String),
-    /// They tell, and it changes.
+    /// They determine one, but it changes.
     Varies(String),
 }
 
-/// The offset, unless the two may be of two bodies: one that follows the other shows its motion later by right.
+/// The offset, unless the two may be of two bodies: one that follows the other shows its motion later without a fault.
 pub(crate) fn held(world: &World, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Without> {
     if let (Some(one), Some(other)) = (&first.body, &second.body)
         && one != other
         && world.graph().chain(one, other, |edge| edge.is_rigid).is_none()
     {
-        let why = format!("nothing ties `{other}` to `{one}`: they may be two bodies");
+        let why = format!("no rigid transform connects `{other}` and `{one}`: they may be two bodies");
         return Err(Without::Silent(0.0, why));
     }
     offset(first, second, limits)
 }
 
-/// The offset of `second` against `first`, by whatever tells it best.
+/// The offset of `second` against `first`, by the quantity that determines it best.
 fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Without> {
     let (Some(from_s), Some(to_s)) = (first.stamp_offset_s, second.stamp_offset_s) else {
-        let why = "stamps that are zero, stand still or run at another rate have no offset";
+        let why = "the stamps are zero, do not advance, or advance at another rate than the log clock";
         return Err(Without::Silent(0.0, why.to_owned()));
     };
     let by = |by: By, a: &Runs, b: &Runs| told(a, b, by, [first.kind, second.kind].contains(&Kind::Fix), limits);
@@ -129,14 +129,14 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
     let peak = found.whole;
     let recorded_s = peak.pairs as f64 * options.grid_s;
     if recorded_s < limits.min_s {
-        let why = format!("both are there for {recorded_s:.1} s; {} are needed", limits.min_s);
+        let why = format!("both are recorded for {recorded_s:.1} s; {} s are needed", limits.min_s);
         return silent(peak.rho, &why);
     }
     if by == By::YawRate {
         let turning_rad_s = deviation(first).min(deviation(second));
         if turning_rad_s < limits.min_turning_rad_s {
             let why = format!(
-                "it turns by {:.1} deg/s, standard deviation: what a straight drive sways by is as much noise; {:.1} are needed",
+                "its standard deviation is {:.1} deg/s, as on a straight drive; record turns ({:.1} deg/s are needed)",
                 turning_rad_s.to_degrees(),
                 limits.min_turning_rad_s.to_degrees()
             );
@@ -151,7 +151,7 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
     };
     if peak.rho < min_rho || peak.z < limits.min_z || peak.n_eff < limits.min_n_eff || !peak.interior {
         let why = format!(
-            "correlation {:.2} of {:.0} independent values ({} sigma); {min_rho}, {} and {} are needed",
+            "correlation {:.2} of {:.0} independent samples ({} sigma); {min_rho}, {} and {} sigma are needed",
             peak.rho,
             peak.n_eff,
             peak.z.round(),
@@ -160,18 +160,20 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         );
         return silent(peak.rho, &why);
     }
-    // A nearly perfect correlation leads by what it leaves unexplained.
+    // A nearly perfect correlation leads by the ratio of the unexplained parts.
     let leads = |other: f64| peak.rho - other >= limits.min_lead || 1.0 - other >= limits.min_ratio * (1.0 - peak.rho);
     if peak.runner_up.is_some_and(|other| !leads(other)) {
-        let why = "the motion repeats itself, and another lag fits as well";
-        return silent(peak.rho, why);
+        return silent(peak.rho, "the motion is periodic, and another lag fits as well");
     }
     let telling = found.parts.iter().flatten().filter(|part| {
         part.interior && part.rho >= limits.min_correlation && part.z >= limits.min_part_z && part.sigma_s.is_some()
     });
     let telling: Vec<&Peak> = telling.collect();
     if telling.len() < 2 {
-        return silent(peak.rho, "only one third of the recording tells a lag");
+        return silent(
+            peak.rho,
+            "fewer than two of the three parts of the recording determine a lag",
+        );
     }
     let strays = |part: &Peak| {
         let sigma_s = part.sigma_s.unwrap_or(0.0).hypot(sigma_s);
@@ -183,19 +185,19 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
             .iter()
             .fold((f64::MAX, f64::MIN), |(low, high), lag| (low.min(*lag), high.max(*lag)));
         return Err(Without::Varies(format!(
-            "by {} the lag is {low:+.3} s in one third of the recording and {high:+.3} s in another: that is no offset but a clock \
-             that drifts, or stamps that jitter",
+            "by {} the lag is {low:+.3} s in one third of the recording and {high:+.3} s in another: a clock drifts, or stamps \
+             jitter",
             by.words()
         )));
     }
     if peak.rho < limits.sure_correlation {
         let why = format!(
-            "correlation {:.2}: where so much is noise it may move the lag, {} are needed",
+            "correlation {:.2}; {} is needed, because noise can shift the lag",
             peak.rho, limits.sure_correlation
         );
         return silent(peak.rho, &why);
     }
-    // Speeds are of courses over two seconds: what disturbs them lasts as long as they do.
+    // Speeds are taken over two seconds, so that errors of neighbouring speeds are correlated.
     let sigma_s = match by {
         By::YawRate => sigma_s,
         By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
@@ -221,7 +223,7 @@ fn deviation(runs: &Runs) -> f64 {
     (values().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// The lag; of signals with opposite signs, too: which sign is right is for others to say.
+/// The lag, also of signals with opposite signs: which sign is right is not judged here.
 fn either_sign(first: &Runs, second: &Runs, options: &Options) -> Option<Lag> {
     let found = lag(first, second, options)?;
     if found.whole.trough.0.abs() <= found.whole.rho {

@@ -1,4 +1,4 @@
-//! The signal that others are held against: the first that any of them has to do with.
+//! The signal that others are compared with: the first that any of them has a lag to.
 //!
 //! Owns how many pairs are tried. Must not judge.
 
@@ -9,10 +9,10 @@ use crate::world::World;
 /// A signal, and the offsets of those behind it.
 type Found<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, Without>)>);
 
-/// Why two signals say nothing of each other, and how near they came.
+/// The correlation of two signals that determine no lag, and why they do not.
 type Silence = (f64, String);
 
-/// The first that anything can be held against, or why each signal says nothing.
+/// The first signal that another one can be compared with, or why each signal cannot be compared.
 pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limits) -> Result<Found<'s>, Vec<String>> {
     let mut silent: Vec<Vec<Silence>> = Vec::new();
     for (index, first) in signals.iter().enumerate() {
@@ -37,7 +37,7 @@ pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limit
         .collect())
 }
 
-/// Why a signal says nothing: `silent` has, for each that was tried, the signals behind it.
+/// Why a signal cannot be compared: `silent` has, for each that was tried, the signals behind it.
 fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
     let between = |other: usize| {
         let (first, second) = (index.min(other), index.max(other));
@@ -48,11 +48,11 @@ fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> Stri
     let best = whys.max_by(|a, b| a.0.0.total_cmp(&b.0.0));
     let why = best.map_or_else(
         || "nothing else in the recording shows its motion".to_owned(),
-        |((_, why), other)| format!("against {}, {why}", words(other)),
+        |((_, why), other)| format!("compared with {}: {why}", words(other)),
     );
     if silent.len() < signals.len() {
         let (all, tried) = (signals.len(), silent.len());
-        format!("{why}; of {all} streams the first {tried} were held against all others")
+        format!("{why}; only the first {tried} of {all} streams were compared with all others")
     } else {
         why
     }

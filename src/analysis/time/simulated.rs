@@ -1,17 +1,17 @@
-//! Whether a recording lives in simulated time.
+//! Whether a recording runs in simulated time.
 
 use crate::analysis::time::streams::{Clock, Of, Stream, log_clock};
 use crate::world::BagEvidence;
 
-/// The time that a recording's data live in.
+/// The kind of time that a recording's data are stamped in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Time {
     /// Calendar time.
     Wall,
-    /// Simulated time, and the recording knows it: it has a `/clock`, or its log began far before 1973.
+    /// Simulated time of the whole recording: it has a `/clock`, or its log time is before 1973.
     Simulated,
-    /// Data that count from a start, transforms among them, which no sensor's own clock stamps, beside a log in calendar
-    /// time.
+    /// Data whose stamps count from a start, in a log in calendar time. Transforms are among them, which no sensor's own clock
+    /// stamps.
     SimulatedBesideWall,
 }
 

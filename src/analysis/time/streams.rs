@@ -1,6 +1,6 @@
 //! Streams of stamps: one for each topic with headers, and one for each moving TF edge.
 //!
-//! Latched topics and static TF are left out: their stamps are older than their log time by right.
+//! Latched topics and static TF are left out: their stamps are older than their log time without a fault.
 
 use serde::Deserialize;
 
@@ -12,7 +12,7 @@ use crate::verdict::plot::{Axis, Level, Plot, Series};
 use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World, conventions::TimeScale};
 
-/// Stamps below this are no calendar time: a clock that counts from power-up, or the time of day (1973-03-03).
+/// Stamps below this (1973-03-03) are not calendar time: the clock counts from power-up, or shows the time of day.
 pub(crate) const UPTIME_BELOW_S: f64 = 1e8;
 
 /// One stream of stamps.
@@ -25,7 +25,7 @@ pub(crate) struct Stream<'w> {
     pub(crate) stamps: &'w StampEvidence,
     /// Log time at which the recording begins, nanoseconds.
     start_ns: i64,
-    /// Whether the stream comes from one publisher as far as can be seen: one frame id, one writer.
+    /// Whether the stream comes from one publisher, as far as the recording shows: one frame id, one writer.
     pub(crate) single_frame: bool,
     /// The scale that the user declares its stamps in.
     pub(crate) declared: Option<Scale>,
@@ -35,9 +35,9 @@ pub(crate) struct Stream<'w> {
 
 /// A time scale that the configuration declares.
 pub(crate) struct Scale {
-    /// How far it is ahead of UTC then, seconds.
+    /// How far it is ahead of UTC at the time of the recording, seconds.
     pub(crate) ahead_s: f64,
-    /// Which, and where it says so.
+    /// Its name and the origin of the declaration, in words; and the place of the declaration.
     pub(crate) words: String,
     pub(crate) place: Option<Place>,
 }
@@ -76,7 +76,7 @@ impl Stream<'_> {
         Place::of(self.source, self.stamps.first.as_ref())
     }
 
-    /// `stamp - log`, seconds, of every sampled stamp that is not zero; of stamps in a declared scale as they would be in UTC.
+    /// `stamp - log`, seconds, of every sampled stamp that is not zero. Stamps in a declared scale are converted to UTC.
     pub(crate) fn offsets_s(&self) -> Vec<f64> {
         let ahead_s = self.declared.as_ref().map_or(0.0, |scale| scale.ahead_s);
         self.stamps
@@ -87,18 +87,18 @@ impl Stream<'_> {
             .collect()
     }
 
-    /// `stamp - log` over the time of the recording, to look at, with the values that it should stay between.
+    /// A plot of `stamp - log` over the time of the recording, with the limits that it should stay between.
     pub(crate) fn plot(&self, limits_s: &[(&str, f64)]) -> Option<Plot> {
         let ahead_s = self.declared.as_ref().map_or(0.0, |scale| scale.ahead_s);
         let samples = self.stamps.samples.iter().filter(|(stamp, _)| *stamp != 0);
         let points = samples.map(|(stamp, log)| {
             let at_s = log.saturating_sub(self.start_ns) as f64 / 1e9;
-            // Subtracted as integers: a stamp of today as a float is good to a quarter of a microsecond.
+            // Subtracted as integers: a present-day stamp in a double has steps of a quarter of a microsecond.
             [at_s, stamp.saturating_sub(*log) as f64 / 1e9 - ahead_s]
         });
         let points = Series::points("stamp minus log time", points);
         (points.points.len() > 1).then(|| Plot {
-            title: format!("Stamps against the log clock: {}", self.subject),
+            title: format!("Stamps compared with the log clock: {}", self.subject),
             x: Axis::new("log time after the start", "s"),
             y: Axis::new("stamp minus log time", "s"),
             equal: false,
@@ -126,8 +126,8 @@ impl Stream<'_> {
         (log >= 1.0).then(|| stamp / log)
     }
 
-    /// Whether its stamps are times of measuring, by the type of its messages. Maps, paths and markers may carry the time
-    /// of what they were made from.
+    /// Whether its stamps are times of measurement, by the type of its messages. Maps, paths and markers may carry the stamp
+    /// of the data that they were computed from.
     pub(crate) fn is_live(&self) -> bool {
         const STATES: &[&str] = &["Odometry", "JointState", "TwistStamped", "TwistWithCovarianceStamped"];
         let message_type = self.message_type();
@@ -139,7 +139,7 @@ impl Stream<'_> {
             || self.topic().rsplit('/').next() == Some("imu")
     }
 
-    /// Whether many messages share each stamp, though what they say is measured or moves.
+    /// Whether many messages share each stamp, though they are measurements or moving transforms.
     pub(crate) fn is_reused(&self, limits: &Limits) -> bool {
         self.stamps.count.saturating_sub(self.stamps.zero) >= limits.min_messages
             && 1.0 - self.repeated_share() < limits.unique_share
@@ -154,7 +154,7 @@ impl Stream<'_> {
         })
     }
 
-    /// Share of the stamps that equal the one before, among those that have one before.
+    /// Share of the stamps that equal the previous one, among those that have a previous one.
     pub(crate) fn repeated_share(&self) -> f64 {
         let steps = self.stamps.count.saturating_sub(self.stamps.zero).saturating_sub(1);
         self.stamps.repeated as f64 / (steps as f64).max(1.0)
@@ -176,7 +176,7 @@ impl Stream<'_> {
         }
     }
 
-    /// Whether it comes from a satellite receiver, by the type of its messages: those measure, compute and only then send.
+    /// Whether it comes from a GNSS receiver, by the type of its messages: receivers measure, compute and only then send.
     pub(crate) fn is_gnss(&self) -> bool {
         const WORDS: &[&str] = &[
             "navsat",
@@ -220,7 +220,7 @@ impl Stream<'_> {
     }
 }
 
-/// Topics that are written once and kept: their stamp is the time of making, not of sending.
+/// Topics that are published once and latched: their stamp is the time of creation, not of sending.
 fn is_latched(topic: &str, message_type: &str) -> bool {
     let last = topic.rsplit('/').next().unwrap_or(topic);
     let latched_name = matches!(
@@ -230,7 +230,7 @@ fn is_latched(topic: &str, message_type: &str) -> bool {
     latched_name || message_type.ends_with("/OccupancyGrid") || message_type.ends_with("/MapMetaData")
 }
 
-/// What programs tell about themselves: stamped by many, in the order of arrival, and looked up by nobody.
+/// Messages of programs about themselves: stamped by many nodes, in the order of arrival, and used in no look-up.
 fn is_talk(message_type: &str) -> bool {
     const PACKAGES: &[&str] = &[
         "diagnostic_msgs",
@@ -271,8 +271,8 @@ pub(crate) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
     streams
 }
 
-/// All streams of one recording, with their stamps in the scale that the user declares: for rules that hold them against
-/// UTC. What looks transforms up takes stamps as they are.
+/// All streams of one recording, with their stamps in the scale that the user declares: for rules that compare them with
+/// UTC. tf2 look-ups take stamps as they are.
 pub(crate) fn declared_streams<'w>(world: &World, bag: &'w BagEvidence) -> Vec<Stream<'w>> {
     let mut streams = streams(bag);
     for stream in &mut streams {

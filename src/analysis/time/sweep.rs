@@ -1,4 +1,4 @@
-//! The way that points of a scan sweep.
+//! The direction in which the points of a scan sweep.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ pub(crate) struct Limits {
     pub(crate) max_angle_steps: f64,
 }
 
-/// Whether clouds sweep to the other side than their lidar turns, as far as their times tell it.
+/// Whether clouds sweep opposite to the direction of their lidar, as far as the times of their points show it.
 pub(crate) fn sweeps_the_other_way(clouds: &Clouds, limits: &Limits) -> bool {
     let Some(expected) = clouds.driver.and_then(|driver| driver.sweep) else {
         return false;
@@ -32,7 +32,7 @@ pub(crate) fn sweeps_the_other_way(clouds: &Clouds, limits: &Limits) -> bool {
     told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
 }
 
-/// Which way a cloud sweeps, with the resultant of that way and of the other; `None` where it does not show.
+/// The direction of a cloud's sweep, with the resultants of that direction and of the other one; `None` where it is not determined.
 pub(crate) fn sweep(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<(Sweep, f64, f64)> {
     let times = sample.times.as_ref()?;
     let (unit_s, _) = clouds.unit(times)?;

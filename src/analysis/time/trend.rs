@@ -83,8 +83,8 @@ pub(crate) struct Change {
     pub(crate) spread: f64,
 }
 
-/// The largest step of a stream's offset, if what lies before and after it is level: medians of the neighbours, of all
-/// that lies on either side, and of the earliest arrivals agree on its size to a fifth.
+/// The largest step of a stream's offset, if the offset is constant before and after it: medians of the neighbours, of all samples on
+/// either side, and of the earliest arrivals agree on its size to a fifth.
 pub(crate) fn change(stream: &Stream<'_>) -> Option<Change> {
     change_of(&series(stream))
 }
@@ -92,7 +92,7 @@ pub(crate) fn change(stream: &Stream<'_>) -> Option<Change> {
 fn change_of(series: &[(f64, f64)]) -> Option<Change> {
     let offsets: Vec<f64> = series.iter().map(|(_, offset)| *offset).collect();
     let middle = |part: &[f64]| median(part).unwrap_or(0.0);
-    // Means are steepest at the step itself; medians, level around it, tell its size.
+    // Means are steepest at the step itself; medians are constant around it and give its size.
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let mut steepest = (0, 0.0, 0.0_f64);
     for (index, pair) in offsets.windows(2 * WINDOW).enumerate() {

@@ -1,6 +1,6 @@
-//! What the streams of a recording say of the turning and the speed of the platform over time, as plain signals.
+//! Yaw rate and speed of the platform over time by each stream of a recording, as plain signals.
 //!
-//! Every rate stands at the middle of the time that it is taken over, so no signal is late by its making. Must not compare.
+//! Every rate has the time of the middle of its interval, so that no signal is delayed by its computation. Must not compare.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -19,7 +19,7 @@ const STEP_S: std::ops::RangeInclusive<f64> = 0.005..=0.5;
 const MAX_RATE_RAD_S: f64 = 10.0;
 /// Slower, a course is noise, m/s.
 const MIN_COURSE_SPEED_M_S: f64 = 2.0;
-/// The mean force is gravity where it is at least this share of the median one: else the sensor gives none.
+/// The mean specific force is gravity where it is at least this share of the median one: else the sensor has no gravity in it.
 const GRAVITY_SHARE: f64 = 0.5;
 
 /// What a signal is made from.
@@ -33,7 +33,7 @@ pub(crate) enum Kind {
     Pose,
     /// A velocity on a topic of its own.
     Twist,
-    /// Satellite fixes.
+    /// GNSS fixes.
     Fix,
 }
 
@@ -121,7 +121,7 @@ fn runs<R>(stream: &Stream<R>, value: impl Fn(&Timed<R>) -> f64) -> Runs {
     stream.stretches.iter().map(of).collect()
 }
 
-/// The rate about the direction that the sensor's own acceleration says is up; about z of its base, where it gives none.
+/// The rate about up by the sensor's own acceleration; about z of its base, where that contains no gravity.
 fn gyro(imu: &Imu) -> Runs {
     let rows = imu.stream.rows();
     let forces = rows.map(|timed| Vector3::from(timed.row.linear_acceleration));

@@ -1,4 +1,4 @@
-//! Corrections of `map` -> `odom`: what they do to the vehicle, and who is touched by them.
+//! Corrections of `map` -> `odom`: how they move the vehicle, and which data they affect.
 //!
 //! Must not judge.
 
@@ -11,9 +11,9 @@ use crate::world::{BagEvidence, FrameId, bag::TfEdge, content::StepAt};
 pub(crate) struct Jump<'a> {
     /// The step.
     pub(crate) at: &'a StepAt,
-    /// Shift of the vehicle, metres; of the origin of `odom` where it is not known where the vehicle is.
+    /// Shift of the vehicle, metres; of the origin of `odom` where the vehicle's pose is unknown.
     pub(crate) m: f64,
-    /// Turn, degrees.
+    /// Rotation, degrees.
     pub(crate) deg: f64,
 }
 
@@ -29,17 +29,17 @@ impl<'a> Jump<'a> {
         }
     }
 
-    /// In words: "after 12.3 s by 1.20 m and 3.0 deg".
+    /// In words: "1.20 m and 3.0 deg after 12.3 s".
     pub(crate) fn words(&self, bag: &BagEvidence) -> String {
         let since = bag
             .start_ns
             .map_or(0, |start| self.at.after.at.log_ns.saturating_sub(start)) as f64
             / 1e9;
-        format!("after {since:.1} s by {:.2} m and {:.1} deg", self.m, self.deg)
+        format!("{:.2} m and {:.1} deg after {since:.1} s", self.m, self.deg)
     }
 }
 
-/// Where the vehicle stands in `odom` when the correction comes: the sample nearest in log time.
+/// The vehicle's position in `odom` at the correction: the sample nearest in log time.
 fn vehicle(bag: &BagEvidence, edge: &TfEdge, at: &StepAt) -> Option<Point3<f64>> {
     let odom = edge.child.canonical();
     let carried = bag
@@ -64,7 +64,7 @@ pub(crate) fn was_asked(bag: &BagEvidence, jump: &Jump, within_s: f64) -> bool {
         .any(within)
 }
 
-/// Topics that hold what was gathered or planned in the frame: they do not move with a correction.
+/// Topics with data that were collected or planned in the frame: they do not move with a correction.
 pub(crate) fn keepers(bag: &BagEvidence, map: &FrameId) -> Vec<String> {
     const KEPT: &[&str] = &[
         "Path",
@@ -85,5 +85,5 @@ pub(crate) fn keepers(bag: &BagEvidence, map: &FrameId) -> Vec<String> {
             .keys()
             .any(|frame| frame.canonical() == map.canonical())
     });
-    in_map.map(|topic| topic.topic.clone()).take(4).collect()
+    in_map.map(|topic| format!("`{}`", topic.topic)).take(4).collect()
 }

@@ -1,7 +1,7 @@
 //! How far odometry drifts from another track of the same platform, between the first and the last third of a drive.
 //!
-//! Each third is laid over the other track by a turn and a shift of its own; the drift is how far apart the two put the middle
-//! of the last third. Must not judge.
+//! Each third is aligned with the other track by a rotation and a translation of its own; the drift is the distance between the
+//! two images of the middle of the last third. Must not judge.
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ use crate::world::{FrameId, motion::PoseRow};
 
 /// A drift.
 pub(crate) struct Drift {
-    /// What it was held against.
+    /// What it was compared with.
     pub(crate) against: String,
     /// Metres.
     pub(crate) by_m: f64,
     /// Its standard deviation, metres.
     pub(crate) sigma_m: f64,
-    /// Length of the odometry's way, metres.
+    /// Length of the odometry's path, metres.
     pub(crate) way_m: f64,
-    /// Root mean square of what each third leaves, metres.
+    /// Root mean square of the residual of each third, metres.
     rms_m: [f64; 2],
     points: usize,
 }
@@ -48,17 +48,17 @@ impl Drift {
     pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 3] {
         let [first, last] = self.rms_m;
         [
-            Measured::new(format!("drift against {}", self.against), self.by_m, "m")
+            Measured::new(format!("drift relative to {}", self.against), self.by_m, "m")
                 .limit(self.least_m(limits))
                 .spread(self.sigma_m)
                 .samples(self.points as u64),
-            Measured::new("way", self.way_m, "m"),
+            Measured::new("path length", self.way_m, "m"),
             Measured::new("residual of the worse third", first.max(last), "m"),
         ]
     }
 }
 
-/// The drift of what moves in `odom` against fixes, or poses in `map`: the first that can tell; why none can, else.
+/// The drift of what moves in `odom` relative to fixes, or poses in `map`: the first that allows a judgement; else why none does.
 pub(crate) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &Limits) -> Result<Drift, String> {
     let in_frame = |frame: &FrameId| {
         let poses = motion
@@ -81,34 +81,34 @@ pub(crate) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &
     let others: Vec<(Arc<Track>, f64)> = by_poses.chain(fixes).collect();
     if others.is_empty() {
         return Err(format!(
-            "whether a correction is missing takes a second source of the pose in `{map}`: fixes, or a localizer's pose"
+            "its drift is unknown without a second source of the position: record GNSS fixes, or a localizer's pose in `{map}`"
         ));
     }
     let pairs = odometry
         .iter()
         .flat_map(|odometry| others.iter().map(move |other| (odometry, other)));
-    let mut why = format!("no odometry in `{odom}` was recorded beside it");
+    let mut why = format!("no pose in `{odom}` was recorded to compare with it");
     for (odometry, (other, sigma_m)) in pairs {
         match of(odometry, other, *sigma_m, limits) {
             Ok(drift) => return Ok(drift),
-            Err(reason) => why = format!("against {}, {reason}", other.subject),
+            Err(reason) => why = format!("compared with {}: {reason}", other.subject),
         }
     }
     Err(why)
 }
 
-/// A third of both tracks, and the turn and shift that lays one over the other.
+/// A third of both tracks, and the rotation and translation that aligns them.
 struct Laid {
     middle: Vector2<f64>,
     turn: Rotation2<f64>,
     image: Vector2<f64>,
     /// Root mean square of the residual, metres.
     rms_m: f64,
-    /// The residual once the odometry's scale is taken off, too: the noise of both.
+    /// The residual with the scale of the odometry estimated as well: the noise of both.
     noise_m: f64,
-    /// How many metres of the other track one of the odometry is.
+    /// Metres of the other track for each metre of the odometry.
     scale: f64,
-    /// Standard deviation of the turn, radians.
+    /// Standard deviation of the rotation, radians.
     turn_sigma_rad: f64,
 }
 
@@ -118,13 +118,13 @@ impl Laid {
         let count = both.len() as f64;
         let mean = |points: &[Vector2<f64>]| points.iter().sum::<Vector2<f64>>() / count;
         let (middle, image) = (mean(&from), mean(&to));
-        // The best turn is that of the best similarity: the scale takes no part in it.
+        // The best rotation is that of the best similarity: it does not depend on the scale.
         let best = fit_similarities(&from, &to)?.proper;
         let turn = Rotation2::new(best.angle_rad);
         let rest = |(from, to): &(Vector2<f64>, Vector2<f64>)| (turn * (from - middle) - (to - image)).norm_squared();
         let rms_m = (both.iter().map(rest).sum::<f64>() / count).sqrt();
         let spread = spread(&from)?;
-        // Errors of a receiver last for minutes: more points do not make them smaller.
+        // Errors of a receiver last for minutes: more points do not reduce them.
         let noise_m = best.rms_m;
         let turn_sigma_rad = sigma_m.max(noise_m) / spread.major_sd_m.hypot(spread.minor_sd_m);
         let is_finite = rms_m.is_finite() && noise_m.is_finite() && turn_sigma_rad.is_finite();
@@ -160,21 +160,21 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
     let part = |from: usize, to: usize| both.get(from..to).and_then(|part| Laid::of(part, sigma_m));
     let way_m = path_length(&both.iter().map(|(odometry, _)| *odometry).collect::<Vec<_>>());
     let (Some(first), Some(last)) = (part(0, third), part(both.len() - third, both.len())) else {
-        return Err("one third of the drive stands still".to_owned());
+        return Err("the vehicle does not move in the first or the last third of the drive".to_owned());
     };
     if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
-        return Err("the odometry cannot be laid over it even for a third of the drive".to_owned());
+        return Err("the odometry does not match it even over a third of the drive".to_owned());
     }
     let strays = |laid: &Laid| (laid.scale - 1.0).abs() > limits.max_scale;
     if let Some(part) = [&first, &last].into_iter().find(|part| strays(part)) {
         return Err(format!(
-            "for a third of the drive it is {:.2} times as long as the odometry: that is no drift, they do not follow one way",
+            "over a third of the drive it is {:.2} times as long as the odometry, so the two do not follow the same path",
             part.scale
         ));
     }
     let by_m = (first.apply(last.middle) - last.image).norm();
     let far_m = (last.middle - first.middle).norm();
-    // A wrong scale is part of the drift, and moves neither the turn nor the middle of a third: it is no noise of theirs.
+    // A wrong scale is part of the drift, and changes neither the rotation nor the middle of a third: it is no noise.
     let sigma_m = (sigma_m.max(first.noise_m))
         .hypot(sigma_m.max(last.noise_m))
         .hypot(first.turn_sigma_rad * far_m);
@@ -191,23 +191,23 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Change of the correction above which it is one, metres.
+    /// Change of the correction above which it counts as moving, metres.
     pub constant_m: f64,
-    /// Change of the correction above which it is one, degrees.
+    /// Change of the correction above which it counts as moving, degrees.
     pub constant_deg: f64,
     /// Drift of odometry that needs a correction, metres.
     pub(crate) drift_m: f64,
-    /// The same, as a share of the way.
+    /// The same, as a share of the path.
     pub(crate) drift_share: f64,
-    /// Standard deviation that is taken for another source at least, metres.
+    /// Smallest standard deviation that is assumed for the other source, metres.
     pub(crate) least_sigma_m: f64,
     /// Deviations that a drift must exceed.
     pub(crate) sigmas: f64,
-    /// Deviations between the least drift that counts and one that is told.
+    /// Deviations between the least drift that counts and one that is reported.
     pub(crate) margin: f64,
     pub(crate) max_scale: f64,
     /// Points of each third.
     pub(crate) min_points: usize,
-    /// Residual of a third, over the way, above which the two tracks are not of one platform.
+    /// Residual of a third, over the path length, above which the two tracks are not of one platform.
     pub(crate) max_residual: f64,
 }

@@ -1,4 +1,4 @@
-//! Where `base_footprint` stands: against `base_link`, and against level frames.
+//! The pose of `base_footprint` relative to `base_link`, and to level frames.
 //!
 //! Must not judge.
 
@@ -10,11 +10,11 @@ use crate::source::Place;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{FrameId, World};
 
-/// Where `base_link` stands over `base_footprint`.
+/// The pose of `base_link` in `base_footprint`.
 pub(crate) struct Mount {
     /// Yaw of the base in its footprint, degrees, without sign.
     pub(crate) yaw_deg: f64,
-    /// How far the base lies below, metres; negative above.
+    /// How far the base is below, metres; negative above.
     pub(crate) below_m: f64,
     /// Where it is stated.
     pub(crate) place: Place,
@@ -48,9 +48,9 @@ pub(crate) fn mounts(world: &World, footprint: &FrameId, base: &FrameId) -> Vec<
         .filter(|edge| edge.parent == *base)
         .map(|edge| (edge, true));
     let mut mounts = Vec::new();
-    for (edge, is_turned) in down.chain(up) {
+    for (edge, is_inverse) in down.chain(up) {
         for (pose, place) in samples(world, edge) {
-            mounts.push(Mount::new(&if is_turned { pose.inverse() } else { pose }, place));
+            mounts.push(Mount::new(&if is_inverse { pose.inverse() } else { pose }, place));
         }
     }
     if mounts.is_empty()
@@ -129,12 +129,12 @@ pub(crate) fn level_paths<'a>(world: &'a World, footprint: &FrameId, namespace: 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Tilt against a level frame that 95 of 100 samples may have, degrees.
+    /// Limit of the tilt in a level frame (95th percentile), degrees.
     pub max_tilt_deg: f64,
-    /// Tilt that 95 of 100 samples exceed where something stands on its head, degrees.
+    /// Tilt that 95 of 100 samples exceed where one of the frames is upside down, degrees.
     pub upside_down_deg: f64,
     /// Yaw between `base_footprint` and `base_link`, degrees.
     pub max_yaw_deg: f64,
-    /// How far `base_link` may lie below, metres.
+    /// How far `base_link` may be below, metres.
     pub max_below_m: f64,
 }

@@ -1,4 +1,4 @@
-//! Latched transforms by name, how far two of their values are apart, and those that keep their value.
+//! Latched transforms by name, the difference between two of their values, and those that keep their value.
 //!
 //! Must not know whether the values come from one recording or from several.
 
@@ -41,7 +41,7 @@ pub(crate) fn change(a: &TfSample, b: &TfSample) -> Change {
 }
 
 impl Change {
-    /// How bad it is; `None` where the two values are one.
+    /// How bad it is; `None` where the two values are the same.
     pub(crate) fn severity(self, limits: &Limits) -> Option<Severity> {
         if self.deg >= limits.error_deg || self.m >= limits.error_m {
             Some(Severity::Error)
@@ -52,7 +52,7 @@ impl Change {
         }
     }
 
-    /// Angle and distance weighed against each other as 0.1 degrees against 1 mm, as the evidence does.
+    /// Angle and distance are weighted equally at 0.1 degrees and 1 mm, as in the evidence.
     pub(crate) fn order<T>(a: &(T, Self), b: &(T, Self)) -> std::cmp::Ordering {
         let weight = |change: &Self| (change.deg / 0.1).max(change.m / 0.001);
         weight(&a.1).total_cmp(&weight(&b.1))
@@ -88,9 +88,9 @@ pub(crate) fn difference(a: &TfSample, b: &TfSample, limits: &Limits) -> Differe
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Rotation up to which two values are one, degrees.
+    /// Rotation up to which two values are the same, degrees.
     pub same_deg: f64,
-    /// Translation up to which two values are one, metres.
+    /// Translation up to which two values are the same, metres.
     pub same_m: f64,
     /// Rotation from which the change is an error, degrees.
     pub error_deg: f64,

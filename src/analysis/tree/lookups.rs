@@ -1,4 +1,4 @@
-//! Asking a recording's TF for the frames of its own sensor messages, as a listener would. Measures; must not judge.
+//! Looks up the frames of a recording's own sensor messages in its TF, as a listener would. Measures; must not judge.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -8,13 +8,13 @@ use crate::world::bag::{BagEvidence, StampEvidence, TfEdge, TopicEvidence};
 use crate::world::tf2::{Buffer, Extrapolation, LookupError};
 use crate::world::{FrameId, tf2};
 
-/// Edges to the tops of both frames from which fewer stamps are asked for.
+/// Number of edges up to the roots of both frames from which fewer stamps are looked up.
 const DEEP: usize = 64;
 
-/// A recording's TF, with a buffer for each namespace that was asked.
+/// A recording's TF, with a buffer for each namespace that was looked up.
 pub(crate) struct Listeners<'w> {
     bag: &'w BagEvidence,
-    /// The namespaces that name a frame.
+    /// The namespaces that contain a frame.
     of_frame: BTreeMap<FrameId, BTreeSet<&'w str>>,
     heard: BTreeMap<&'w str, Heard<'w>>,
 }
@@ -61,7 +61,7 @@ pub(crate) struct Asked {
     pub(crate) inside: Failures,
     /// Those that succeed, but whose stamp is so old at the log time that a cache of the given length has dropped it.
     pub(crate) forgotten: u64,
-    /// Largest age of a stamp against the newest TF on the way at the log time, seconds.
+    /// Largest age of a stamp relative to the newest TF on the way at the log time, seconds.
     pub(crate) oldest_s: f64,
 }
 
@@ -112,7 +112,7 @@ impl<'w> Heard<'w> {
             .filter(move |edge| edge.child.canonical() == *child)
     }
 
-    /// What consumers would ask for: the first of `map`, `odom` and the base that any edges ever connect with `frame`.
+    /// The target that consumers would look up: the first of `map`, `odom` and the base that any edges ever connect with `frame`.
     pub(crate) fn target(&self, frame: &FrameId) -> Option<FrameId> {
         let mut beside: BTreeMap<FrameId, BTreeSet<FrameId>> = BTreeMap::new();
         for edge in &self.edges {
@@ -171,12 +171,12 @@ impl<'w> Heard<'w> {
             .collect()
     }
 
-    /// Looks up every sampled stamp of a topic. `cache_s` is the length of the cache whose forgetting is counted.
+    /// Looks up every sampled stamp of a topic, and counts stamps that are older than a cache of `cache_s`.
     pub(crate) fn ask(&self, target: &FrameId, frame: &FrameId, topic: &TopicEvidence, cache_s: f64) -> Asked {
         let mut newest = Newest::default();
         let mut answers: Vec<(i64, Option<(Culprit, bool)>)> = Vec::new();
         let (mut forgotten, mut oldest_s) = (0, 0.0_f64);
-        // Trees of this depth are made up; they must not take long.
+        // Only artificial trees are so deep; they must not take long.
         let stride = 1 + (self.buffer.depth(target) + self.buffer.depth(frame)) / DEEP;
         let stamps = topic.stamps.samples.iter().copied().filter(|(stamp, _)| *stamp != 0);
         for (stamp_ns, log_ns) in stamps.step_by(stride) {

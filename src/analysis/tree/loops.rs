@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
 use crate::world::{FrameId, World};
 
-/// The loops that this rule reports: their frames, each before its parent, and the edges from each frame up to the next.
+/// The loops that TREE03 reports: their frames, each before its parent, and the edges from each frame up to the next.
 pub(crate) fn loops(world: &World) -> Vec<(Vec<FrameId>, Vec<&Edge>)> {
     let of = |graph| of_graph(world, graph);
     let mut loops = of(world.graph());
@@ -61,8 +61,8 @@ pub(crate) fn steps<'a>(graph: &'a FrameGraph, cycle: &[FrameId]) -> Option<Vec<
         .collect()
 }
 
-/// Whether the edges hold at one time: TF edges must come from one recording (two may show two robots, or one robot
-/// before and after a change) and have been published over a common time. A latched edge holds from its first message on.
+/// Whether the edges are valid at one time: TF edges must come from one recording (two may show two robots, or one robot
+/// before and after a change) and have been published over a common time. A latched edge is valid from its first message on.
 pub(crate) fn all_at_once(world: &World, steps: &[&Edge]) -> bool {
     let mut from = i64::MIN;
     let mut until = i64::MAX;

@@ -20,12 +20,12 @@ pub(crate) struct Stream<'a> {
     pub(crate) topic: &'a str,
     /// How it moves.
     pub(crate) steps: &'a StepEvidence,
-    /// The greatest speed and turning speed that it claims, m/s and rad/s.
+    /// The largest speed and angular speed that it reports, m/s and rad/s.
     pub(crate) claimed: Option<(f64, f64)>,
 }
 
-/// The streams of a recording by frame and moving frame. Only a frame whose name says `odom` promises not to jump: fixes,
-/// localizers and ground truth in `map` or `world` do not. Joints are not odometry.
+/// The streams of a recording by frame and moving frame. Only a frame with the word `odom` in its name must not jump: fixes,
+/// localizers and ground truth in `map` or `world` may. Joints are not odometry.
 pub(crate) fn streams(bag: &BagEvidence) -> BTreeMap<(FrameId, FrameId), Vec<Stream<'_>>> {
     let mut streams: BTreeMap<(FrameId, FrameId), Vec<Stream>> = BTreeMap::new();
     for topic in bag.topics.values() {
@@ -67,7 +67,7 @@ fn promises(odom: &FrameId, child: &FrameId) -> bool {
     odom.has_token("odom") && !names::is_world(child) && !names::is_moving_part(child)
 }
 
-/// The two frames of an odometry topic, where it keeps to them.
+/// The two frames of an odometry topic, if they do not change.
 fn frames_of(topic: &TopicEvidence) -> Option<(FrameId, FrameId)> {
     let only = |frames: &BTreeMap<FrameId, HeaderFrame>| {
         let mut names = frames.keys();
@@ -76,16 +76,16 @@ fn frames_of(topic: &TopicEvidence) -> Option<(FrameId, FrameId)> {
     Some((only(&topic.header_frames)?, only(&topic.child_frames)?))
 }
 
-/// Up to where a step may be a motion.
+/// The limits up to which a step may be motion.
 pub(crate) struct Bound {
-    /// The greatest speed, m/s.
+    /// The largest speed, m/s.
     pub(crate) speed: f64,
-    /// The greatest turning speed, rad/s.
+    /// The largest angular speed, rad/s.
     turn: f64,
 }
 
 impl Bound {
-    /// The greatest speeds that the streams claim, or show in nine of ten steps.
+    /// The largest speeds that the streams report, or do not exceed in nine of ten steps.
     pub(crate) fn of(streams: &[Stream]) -> Self {
         let largest = |of: &dyn Fn(&Stream) -> Option<f64>| streams.iter().filter_map(of).fold(0.0, f64::max);
         let shown =
@@ -107,7 +107,7 @@ impl Bound {
         )
     }
 
-    /// A jump is longer than any motion in its time, and comes from nowhere: the first step of a start is not.
+    /// A jump is longer than any motion in its time, and unexpected by the velocity before it: the first step of a start is not.
     pub(crate) fn is_jump(&self, step: &Step, limits: &Limits) -> bool {
         let (m, rad) = self.limits(step, limits);
         (step.distance_m > m && step.surprise_m > m) || (step.angle_rad > rad && step.surprise_rad > rad)
@@ -119,9 +119,9 @@ impl Bound {
 pub(crate) struct Limits {
     /// Step that is never a jump, metres.
     pub least_m: f64,
-    /// Turn that is never a jump, degrees.
+    /// Rotation that is never a jump, degrees.
     pub least_deg: f64,
-    /// A jump is so many times the greatest speed.
+    /// A jump is so many times the largest speed.
     pub times_speed: f64,
     /// Steps needed.
     pub min_steps: u64,

@@ -1,10 +1,10 @@
-//! How far linear interpolation between the poses of an edge goes astray. Measures; must not judge.
+//! The error of linear interpolation between the poses of an edge. Measures; must not judge.
 
 use crate::math::stats::quantile;
 use crate::verdict::Measured;
 use crate::world::content::Step;
 
-/// What the steps of an edge say.
+/// What the steps of an edge show.
 pub(crate) struct Rate {
     /// How many they are.
     pub(crate) steps: u64,

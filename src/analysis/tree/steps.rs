@@ -1,4 +1,4 @@
-//! Steps of a stream of poses that stand out, told once each.
+//! Steps of a stream of poses that stand out, each once.
 //!
 //! Must not judge.
 
@@ -16,12 +16,12 @@ pub(crate) fn outstanding(steps: &StepEvidence) -> Vec<&StepAt> {
     kept
 }
 
-/// Whether every second step undoes the one before: two writers take turns, which is another fault than a jump.
+/// Whether every second step reverses the one before: two publishers alternate, which is a different fault from a jump.
 pub(crate) fn takes_turns(steps: &StepEvidence) -> bool {
     steps.undone >= 10 && steps.undone.saturating_mul(4) >= steps.moving
 }
 
-/// A quantile of a quantity of the steps that move at all; `None` where none does.
+/// A quantile of a quantity over the steps that move; `None` where none does.
 pub(crate) fn of_moving(steps: &StepEvidence, q: f64, of: impl Fn(&Step) -> f64) -> Option<f64> {
     const MOVES: f64 = 1e-6;
     let moving = steps

@@ -1,4 +1,4 @@
-//! How robots, joints and links are called in rows.
+//! The names of robots, joints and links in rows.
 
 use crate::world::World;
 use crate::world::robot::{Joint, Link, Robot};

@@ -1,11 +1,11 @@
-//! Principal moments of an inertia, and what its printed digits leave open.
+//! Principal moments of an inertia, and the rounding error of its printed digits.
 
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use crate::math::rotation::decimals_of;
 
-/// What rounding the six numbers to their printed decimals can move a principal moment by, kg m². Trailing zeros are
-/// not seen, which errs on the quiet side.
+/// The most that rounding the six numbers to their printed decimals changes a principal moment, kg m². Trailing zeros are
+/// not counted, so this is rather too large.
 pub(crate) fn rounding(inertia: [f64; 6]) -> f64 {
     let half_unit = |moment: &f64| match i32::try_from(decimals_of(*moment)) {
         Ok(decimals) if *moment != 0.0 => 0.5 * 10f64.powi(-decimals),
@@ -22,10 +22,10 @@ pub(crate) fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<[f
     Some(moments)
 }
 
-/// Numbers that nobody measured: six times the same one, or moments of which one or two are zero.
+/// Placeholder numbers: six equal ones, or moments of which one or two are zero.
 pub(crate) fn is_placeholder(inertia: [f64; 6]) -> bool {
     let [xx, xy, xz, yy, yz, zz] = inertia;
-    // Written by hand to the last digit: these are compared as they stand.
+    // Written by hand: compared exactly.
     #[allow(clippy::float_cmp)]
     let is_one_number = inertia.iter().all(|moment| *moment == xx);
     let moments = [xx, yy, zz];

@@ -9,7 +9,7 @@ use crate::world::robot::{Link, Mesh, NumberList, Robot};
 /// A mesh of a robot with its scale in numbers.
 #[derive(Debug)]
 pub(crate) struct Scaled<'a> {
-    /// The link that it is drawn at.
+    /// Its link.
     pub link: &'a Link,
     /// The mesh.
     pub mesh: &'a Mesh,
@@ -42,7 +42,7 @@ impl Scaled<'_> {
         &self.mesh.filename.value
     }
 
-    /// How it is called in rows.
+    /// Its name in rows.
     pub(crate) fn subject(&self, world: &World, robot: &Robot) -> String {
         format!(
             "{} of {}",
@@ -71,8 +71,8 @@ pub(crate) fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
         .collect()
 }
 
-/// Files that are drawn both ways round, as the left and right limbs of many robots are: mirrored on other links than
-/// plain, and together with other mirrored links. A single mirrored mesh looks like a slip.
+/// Files that are used both plain and mirrored, as for the left and right limbs of many robots: mirrored on other links than
+/// plain, and together with other mirrored links. A single mirrored mesh is probably an error.
 pub(crate) fn mirrored_on_purpose<'a>(meshes: &[Scaled<'a>]) -> BTreeSet<&'a str> {
     let mut by_file: BTreeMap<&str, [BTreeSet<&str>; 2]> = BTreeMap::new();
     for scaled in meshes {

@@ -1,4 +1,4 @@
-//! How the values of arguments are read.
+//! Parsers and completions of the values of arguments.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -15,7 +15,7 @@ use crate::run::FailOn;
 
 use super::{Cli, Output};
 
-/// The codes of rules, for completion; their names where no code fits.
+/// The codes of rules, for completion; their names where no code matches.
 pub(super) fn rules() -> Vec<CompletionCandidate> {
     let pages = RULES.iter().map(|entry| entry.page);
     pages
@@ -27,7 +27,7 @@ pub(super) fn rules() -> Vec<CompletionCandidate> {
         .collect()
 }
 
-/// The same, and the families.
+/// The codes and names of rules, and the families.
 pub(super) fn selectors() -> Vec<CompletionCandidate> {
     let families: BTreeSet<&str> = RULES.iter().map(|entry| entry.page.family()).collect();
     families
@@ -37,7 +37,7 @@ pub(super) fn selectors() -> Vec<CompletionCandidate> {
         .collect()
 }
 
-/// The verbs, for completion.
+/// The commands, for completion.
 pub(super) fn verbs() -> Vec<CompletionCandidate> {
     let command = Cli::command();
     command
@@ -46,7 +46,7 @@ pub(super) fn verbs() -> Vec<CompletionCandidate> {
         .collect()
 }
 
-/// Files, and forms before a `=` and a file, for completion.
+/// Files, and formats before a `=` and a file, for completion.
 pub(super) fn outputs(current: &OsStr) -> Vec<CompletionCandidate> {
     let files = |begun: &OsStr| PathCompleter::file().complete(begun);
     let formed = current.to_str().and_then(|text| text.split_once('='));
@@ -64,7 +64,7 @@ pub(super) fn outputs(current: &OsStr) -> Vec<CompletionCandidate> {
 }
 
 /// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
-#[allow(clippy::unnecessary_wraps)] // clap asks for a result
+#[allow(clippy::unnecessary_wraps)] // clap requires a result
 pub(super) fn output(text: &str) -> Result<Output, String> {
     let known = text
         .split_once('=')
@@ -81,7 +81,7 @@ pub(super) fn output(text: &str) -> Result<Output, String> {
     })
 }
 
-/// The form of a report that the name of its file ends in; that for people where it ends in none.
+/// The format of a report by the extension of its file; `human` for any other extension.
 pub(super) fn by_ending(file: &Path) -> Format {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
@@ -95,7 +95,7 @@ pub(super) fn by_ending(file: &Path) -> Format {
     }
 }
 
-/// The forms and dialects that are written. They stand in a table, which is read only where somebody asks for them.
+/// The notations and dialects that `convert` writes. They come from a table, which is read only when needed.
 #[derive(Clone)]
 pub(super) struct Targets;
 
@@ -113,11 +113,11 @@ impl TypedValueParser for Targets {
 
 /// `TARGET from SOURCE`.
 pub(super) fn is(text: &str) -> Result<(String, String), String> {
-    let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
+    let (target, source) = text.split_once(" from ").ok_or("expected `TARGET from SOURCE`")?;
     Ok((target.trim().to_owned(), source.trim().to_owned()))
 }
 
-/// Bytes: `800kB`, `100MB`, `2GB`; a number alone is of megabytes.
+/// Bytes: `800kB`, `100MB`, `2GB`; a number without a unit is in megabytes.
 pub(super) fn size(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
@@ -126,19 +126,19 @@ pub(super) fn size(text: &str) -> Result<u64, String> {
         "kb" => 1_000,
         "" | "mb" => 1_000_000,
         "gb" => 1_000_000_000,
-        _ => return Err("a size has the form 100MB, with kB, MB or GB".to_owned()),
+        _ => return Err("unknown unit: use kB, MB or GB, as in 100MB".to_owned()),
     };
     let number: u64 = number
         .parse()
-        .map_err(|_| "a size begins with a whole number: 100MB".to_owned())?;
+        .map_err(|_| "expected a whole number and a unit, as in 100MB".to_owned())?;
     let bytes = number.checked_mul(factor).filter(|bytes| *bytes > 0);
-    bytes.ok_or_else(|| "a size is more than nothing, and less than everything".to_owned())
+    bytes.ok_or_else(|| "the size must be above 0 and below 16 EiB".to_owned())
 }
 
 pub(super) fn xacro_arg(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
-        _ => Err("an argument for xacro has the form name:=value".to_owned()),
+        _ => Err("expected name:=value".to_owned()),
     }
 }
 
@@ -160,19 +160,19 @@ impl ValueEnum for Format {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (word, help) = match self {
-            Self::Human => ("human", "For people, with source lines"),
-            Self::Concise => ("concise", "A line for each finding, as editors understand it"),
-            Self::Json => ("json", "One document, described by schema/frames-lint-1.json"),
+            Self::Human => ("human", "For people, with the lines of the inputs"),
+            Self::Concise => ("concise", "One line per finding, for editors"),
+            Self::Json => ("json", "One JSON document (schema/frames-lint-1.json)"),
             Self::JsonLines => (
                 "json-lines",
-                "The same, a line for each input, outcome and finding, written as soon as it is known",
+                "One line per input, outcome and finding, written during the run",
             ),
             Self::Sarif => ("sarif", "SARIF 2.1.0"),
             Self::Github => ("github", "Workflow commands of GitHub Actions"),
-            Self::Gitlab => ("gitlab", "Code quality report of GitLab"),
-            Self::Junit => ("junit", "A test case for each check"),
-            Self::Markdown => ("markdown", "For comments and job summaries"),
-            Self::Html => ("html", "The acceptance report: one page with everything, to be signed"),
+            Self::Gitlab => ("gitlab", "Code Quality report of GitLab"),
+            Self::Junit => ("junit", "JUnit XML, one test case per check"),
+            Self::Markdown => ("markdown", "For comments on pull requests and job summaries"),
+            Self::Html => ("html", "Acceptance report: one page with all results, to be signed"),
         };
         Some(PossibleValue::new(word).help(help))
     }

@@ -4,9 +4,9 @@ _frames_lint() {
     while IFS= read -r line; do
         COMPREPLY+=("$line")
     done < <(FRAMES_LINT_COMPLETE=bash _CLAP_COMPLETE_INDEX=$COMP_CWORD PROGRAM -- "${COMP_WORDS[@]}" 2>/dev/null)
-    # Names of files are quoted where they need it.
+    # File names are quoted where necessary.
     if [[ -e ${COMPREPLY[0]} ]]; then compopt -o filenames 2>/dev/null; fi
-    # A folder and `json=` are only the beginning of a word.
+    # A word continues after a folder and after `json=`.
     if [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *[=/] ]]; then compopt -o nospace 2>/dev/null; fi
 }
 complete -o bashdefault -o default -F _frames_lint frames-lint

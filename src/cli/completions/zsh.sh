@@ -5,7 +5,7 @@ _frames_lint() {
     for line in "${(@f)$(
         FRAMES_LINT_COMPLETE=zsh _CLAP_COMPLETE_INDEX=$((CURRENT - 1)) _CLAP_IFS=$'\n' PROGRAM -- "${(@Q)words}" 2>/dev/null
     )}"; do
-        # A folder and `json=` are only the beginning of a word.
+        # A word continues after a folder and after `json=`.
         case ${line%%:*} in
             '') ;;
             *[=/]) begun+=("$line") ;;

@@ -1,4 +1,4 @@
-//! Scenes written for the viewer.
+//! Writes scenes for the Rerun viewer.
 
 use std::fmt::Write;
 use std::io::Read;
@@ -12,7 +12,7 @@ use crate::report::rerun::{Sink, write};
 use crate::run::Run;
 use crate::view::{LeftOut, estimate, fit, scene};
 
-/// Judges the inputs, and shows what there is to be seen. The exit code is that of reading.
+/// Checks the inputs and shows the views. The exit code is that of reading.
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::check(&engine::Options {
         config: view.config,
@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surrou
     Ok(answer)
 }
 
-/// A file that came out larger than asked is written again, smaller; so often at most.
+/// A file larger than the limit is written again with less content, at most this often.
 const ROUNDS: usize = 6;
 
 #[allow(clippy::unnecessary_wraps)] // there is a build without views
@@ -53,7 +53,7 @@ pub(in crate::cli) fn is_there() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the views to a file. Says what was left out, if anything was.
+/// Writes the views to a file. Returns a line that states what was left out, if anything was.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a share of a size
 pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<String, Failure> {
     let mut scene = scene(run);
@@ -70,7 +70,7 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
         if size <= max_bytes || round > 0 && more == LeftOut::NOTHING {
             break;
         }
-        // What was expected came out larger: by as much less is aimed at, and by a little more.
+        // The file is larger than estimated: aim lower by the same factor, and a little more.
         let share = max_bytes as f64 / size as f64 * 0.95;
         aim = (estimate(&scene) as f64 * share) as usize;
     }
@@ -79,7 +79,7 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
     if size > max_bytes {
         let _ = writeln!(
             text,
-            "they take {} kB, more than --max-size: no more can be left out",
+            "the views take {} kB, more than --max-size; nothing more can be left out",
             size / 1000
         );
     }
@@ -95,7 +95,7 @@ fn send(run: &Run, sink: Sink, words: &str, max_bytes: u64) -> Result<String, Fa
 }
 
 fn failed(words: &str, error: &str) -> Failure {
-    Failure::Usage(format!("the views can't be written to {words}: {error}"))
+    Failure::Usage(format!("cannot write the views to {words}: {error}"))
 }
 
 fn told(words: &str, left_out: LeftOut) -> String {
@@ -104,21 +104,24 @@ fn told(words: &str, left_out: LeftOut) -> String {
         points,
         meshes,
     } = left_out;
-    let mut text = format!("views written to {words}");
+    let mut text = format!("wrote views to {words}");
     if moments > 1 || points > 1 {
         let _ = write!(
             text,
-            "; to fit --max-size, one in {moments} moments and one in {points} points of clouds is shown"
+            "; to stay below --max-size, only one in {moments} samples and one in {points} cloud points is shown"
         );
     }
     if meshes > 0 {
-        let _ = write!(text, "; to fit --max-size, {meshes} of the largest meshes are left out");
+        let _ = write!(
+            text,
+            "; to stay below --max-size, the {meshes} largest meshes are left out"
+        );
     }
     text.push('\n');
     text
 }
 
-/// What the views are called: the first input, and how many more.
+/// The title of the views: the first input, and the number of others.
 fn name(run: &Run) -> String {
     let mut inputs = run.sources.iter().filter(|source| source.derived.is_none());
     let first = inputs.next().map_or("nothing", |source| source.path.as_str());

@@ -1,4 +1,4 @@
-//! A build without views says how to get them.
+//! Without the feature `rerun`: the error that says how to get a build with it.
 
 use std::io::Read;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::run::Run;
 
 fn missing() -> Failure {
     Failure::Usage(
-        "this frames-lint was built without views; in a clone of it, `cargo install --path . --features rerun` builds it with them"
+        "this build of frames-lint has no views: run `cargo install --path . --features rerun` in a clone of its repository"
             .to_owned(),
     )
 }

@@ -78,7 +78,7 @@ impl Calibrations {
     }
 }
 
-/// Whether two calibrations are the same bit by bit: what is not a number is the same as itself.
+/// Whether two calibrations are the same bit by bit: NaN equals NaN.
 fn same(a: &CameraInfo<'_>, b: &CameraInfo<'_>) -> bool {
     let bits = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
     (a.height, a.width, &a.model, a.binning, a.roi) == (b.height, b.width, &b.model, b.binning, b.roi)

@@ -33,7 +33,7 @@ struct Sampled {
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
     share: Share,
-    /// Names of times that the user adds, which go before those that are known.
+    /// Names of time fields that the user adds; they take precedence over the known ones.
     time_fields: Arc<[String]>,
     count: u64,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
@@ -175,7 +175,7 @@ fn is_cut(cloud: &Cloud<'_>) -> bool {
     last.is_some_and(|(row, column)| cloud.point(row, column).is_none())
 }
 
-/// Steps over rows and columns that leave about so many points: columns first, for rows are few and apart where they are beams. Beams take turns in a
+/// Steps over rows and columns that keep about so many points: columns first, for rows are few and apart where they are beams. Beams take turns in a
 /// cloud of one row: a step that shares no factor with their number meets them all.
 fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
     let enough = (most as u64).div_ceil(u64::from(cloud.width).max(1));
@@ -417,7 +417,7 @@ mod tests {
         assert_eq!(strides(&cloud(1, 262_144), 4096), (1, 67));
         assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
         assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
-        // Some write a cloud that is not organised as one column.
+        // Some drivers write an unorganised cloud as one column.
         assert_eq!(strides(&cloud(262_144, 1), 4096), (67, 1));
         assert_eq!(strides(&cloud(0, 0), 4096), (1, 1));
     }

@@ -14,7 +14,7 @@ use super::super::thin::{Share, Thinned};
 /// Each matrix that differs from the one before is looked at once: a constant covariance costs a comparison.
 #[derive(Clone, Debug)]
 pub(super) struct Covariances<const N: usize, const L: usize> {
-    /// Whether a first number of -1 says that the field holds nothing (`sensor_msgs/Imu`).
+    /// Whether a first number of -1 marks the field as not measured (`sensor_msgs/Imu`).
     may_be_absent: bool,
     bound: usize,
     count: u64,
@@ -25,7 +25,7 @@ pub(super) struct Covariances<const N: usize, const L: usize> {
     current: Option<Kept<L>>,
     kind: Kind,
     last: Option<[f64; L]>,
-    /// Where the last one stands among the first.
+    /// The index of the last one among the first.
     place: Option<usize>,
     non_finite: (u64, Option<Kept<L>>),
     all_zero: u64,
@@ -42,7 +42,7 @@ struct Kept<const L: usize> {
     values: [f64; L],
 }
 
-/// What is seen of a matrix at first sight.
+/// The quick properties of a matrix.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kind {
     is_finite: bool,
@@ -143,7 +143,7 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
             self.most_asymmetric = Some((asymmetry, kept));
         }
         let symmetric = matrix.symmetric_part();
-        // What is positive definite even with the least eigenvalue known taken off has no smaller one.
+        // A matrix that is positive definite after subtracting the least known eigenvalue has no smaller one.
         let can_be_less = |(known, _): &(f64, Kept<L>)| {
             (symmetric - SMatrix::<f64, N, N>::identity() * *known)
                 .cholesky()
@@ -190,7 +190,7 @@ fn same<const L: usize>(a: &[f64; L], b: &[f64; L]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-/// FNV-1a over words: only tells apart what is then compared.
+/// FNV-1a over words: only a filter before the comparison.
 fn hash<const L: usize>(values: &[f64; L]) -> u64 {
     values.iter().fold(0xcbf2_9ce4_8422_2325, |hash, value| {
         (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3)

@@ -1,4 +1,4 @@
-//! Satellite fixes of one topic.
+//! GNSS fixes of one topic.
 
 use crate::read::messages::content::Fix;
 use crate::world::content::{FixAt, FixEvidence};

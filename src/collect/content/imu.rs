@@ -1,14 +1,14 @@
-//! Inertial messages of one topic.
+//! IMU messages of one topic.
 
 use crate::read::messages::content::Imu;
 use crate::world::content::ImuEvidence;
 
 use super::super::point::{On, Point};
 
-/// Between messages further apart than this nobody knows how the body turned, nanoseconds.
+/// The rotation between messages further apart than this is unknown, nanoseconds.
 const LONGEST_STEP_NS: i64 = 1_000_000_000;
 
-/// Takes in inertial messages in recording order.
+/// Takes in IMU messages in recording order.
 #[derive(Default)]
 pub(super) struct Inertial {
     count: u64,
@@ -72,7 +72,7 @@ impl Inertial {
 }
 
 /// Whether a quaternion is exactly this one.
-#[allow(clippy::float_cmp)] // exactly is what is asked
+#[allow(clippy::float_cmp)] // the comparison is exact on purpose
 fn is(published: [f64; 4], xyzw: [f64; 4]) -> bool {
     published == xyzw
 }

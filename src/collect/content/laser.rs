@@ -12,7 +12,7 @@ use super::runs::Runs;
 
 /// Cosine of the angle from which on the plane of a scan is no longer that of its frame's x and y.
 const LEVEL: f64 = 0.99;
-/// Scans of a run are so far apart at least, nanoseconds: robots in halls hardly move from one of forty scans a second to the next.
+/// The least time between scans of a run, nanoseconds: at forty scans a second, indoor robots hardly move from one to the next.
 const APART_NS: i64 = 90_000_000;
 /// Scans of a run: twice as many as of clouds, in half as many runs.
 const RUN_SCANS: usize = 2 * RUN_CLOUDS;
@@ -87,7 +87,7 @@ impl Lasers {
     }
 }
 
-/// Whether a range is one: finite, positive, and within the limits that the scan tells. Scanners without a return write infinity,
+/// Whether a range is one: finite, positive, and within the limits that the scan states. Scanners without a return write infinity,
 /// NaN, zero, or more than the largest.
 fn counts(scan: &LaserScan, range: f64) -> bool {
     let [least, most] = scan.range;
@@ -97,7 +97,7 @@ fn counts(scan: &LaserScan, range: f64) -> bool {
 }
 
 /// The points of a scan in the axes of its frame, evenly thinned, ray by ray; none where its plane is not that of x and y, or an
-/// angle is no number. And their times after the scan's first, seconds; none where the scan does not tell them.
+/// angle is NaN. And their times after the scan's first, seconds; none where the scan does not state them.
 fn projected(scan: &LaserScan) -> (Vec<[f64; 3]>, Vec<f64>) {
     let Some((turn, shift)) = scan.pose.as_ref().map_or(Some(identity()), placed) else {
         return (Vec::new(), Vec::new());
@@ -121,7 +121,7 @@ fn identity() -> (UnitQuaternion<f64>, Vector3<f64>) {
     (UnitQuaternion::identity(), Vector3::zeros())
 }
 
-/// Where the plane lies; an orientation that is left out, which is all zeros, is none.
+/// The pose of the plane; an orientation of all zeros was left out and is none.
 fn placed(pose: &Pose) -> Option<(UnitQuaternion<f64>, Vector3<f64>)> {
     let [x, y, z, w] = pose.orientation;
     let turn = Quaternion::new(w, x, y, z);

@@ -1,4 +1,4 @@
-//! What the messages of one topic say beyond their header, while it is being collected.
+//! The content of the messages of one topic beyond their header, while it is being collected.
 
 mod camera;
 mod cloud;
@@ -42,10 +42,10 @@ use radar::Radars;
 type Six = Covariances<6, 36>;
 type Three = Covariances<3, 9>;
 
-/// What one topic says; nothing is set aside for what it does not.
+/// The content of one topic; nothing is allocated for the rest.
 pub(super) struct Contents {
     share: Share,
-    /// Fields in which points have their times, beside those that are known.
+    /// Fields that hold the times of points, in addition to the known ones.
     time_fields: Arc<[String]>,
     fixes: Option<Box<Fixes>>,
     imu: Option<Box<Inertial>>,
@@ -101,7 +101,7 @@ impl Contents {
         self.motion.seam();
     }
 
-    /// Takes in what a message, or a member of it, says.
+    /// Takes in the content of a message, or of a member of it.
     pub(super) fn body(&mut self, point: Point, body: &Body<'_>) {
         match body {
             Body::Odometry(odometry) => self.odometry(point, odometry),

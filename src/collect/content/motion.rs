@@ -13,7 +13,7 @@ use super::poses::{joined, pose_row};
 /// No rate (rad/s, deg/s) and no acceleration (m/s^2, g, mg) is larger.
 const MOST_READ: f64 = 1e6;
 
-/// What one topic says of motion; nothing is set aside for what it does not.
+/// What one topic states of motion; nothing is allocated for the rest.
 pub(super) struct Motion {
     room: Room,
     /// Orientation, angular velocity, acceleration.
@@ -32,7 +32,7 @@ pub(super) struct Motion {
     nmea: Lazy<11, 11>,
 }
 
-/// Rows for which nothing is set aside before the first.
+/// Rows for which nothing is allocated before the first.
 struct Lazy<const N: usize, const Q: usize>(Option<Box<Rows<N, Q>>>);
 
 impl<const N: usize, const Q: usize> Lazy<N, Q> {
@@ -68,7 +68,7 @@ impl Motion {
         }
     }
 
-    /// Messages were left out here. A path tells what was missed.
+    /// Messages were left out here. A path holds what was missed.
     pub(super) fn seam(&mut self) {
         self.inertial.seam();
         self.odometry.seam();
@@ -123,7 +123,7 @@ impl Motion {
         self.vectors.push(self.room, point, &[&vector]);
     }
 
-    /// Takes in a fix; one that says that there is no fix, or has no finite position, is none.
+    /// Takes in a fix; one with the status of no fix, or without a finite position, is none.
     pub(super) fn fix(&mut self, point: Point, fix: &Fix) {
         if fix.status < 0 || !fix.latitude.is_finite() || !fix.longitude.is_finite() {
             return;
@@ -137,7 +137,7 @@ impl Motion {
         }
     }
 
-    /// Takes in a sentence. What it says of a place without a fix is none.
+    /// Takes in a sentence. A position without a fix is none.
     pub(super) fn nmea(&mut self, point: Point, nmea: &Nmea) {
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         let position = nmea.position.filter(|_| nmea.quality != Some(0));

@@ -1,6 +1,6 @@
-//! A path: one way, told again and again as it grows.
+//! A path: one track, published again and again as it grows.
 //!
-//! Owns which of its poses are kept. Must not know what the way is of.
+//! Owns which of its poses are kept. Must not know whose track it is.
 
 use crate::read::messages::content::Pose;
 use crate::world::motion::{PoseRow, Series};
@@ -14,7 +14,7 @@ const MAX_AHEAD_NS: i64 = 1_000_000_000;
 
 /// Takes in the messages of a path in recording order.
 ///
-/// A message that goes back to where the rows begin takes their place: it tells all of the way again, as corrected since.
+/// A message that goes back to where the rows begin replaces them: it holds the whole track again, as corrected since.
 /// Of one that begins later (the last hundred poses, or what is new) only what is newer than the rows is added.
 pub(super) struct Path {
     room: Room,
@@ -32,8 +32,8 @@ impl Path {
         Self { room, kept: None }
     }
 
-    /// Takes in the poses of one message with their stamps. A plan is no way that was gone: its stamps are one and the
-    /// same, or in the future.
+    /// Takes in the poses of one message with their stamps. A plan is no track that was driven: its stamps are all
+    /// equal, or in the future.
     pub(super) fn push(&mut self, point: Point, poses: &[(i64, Pose)]) {
         let (Some((first_ns, _)), Some((last_ns, _))) = (poses.first(), poses.last()) else {
             return;
@@ -66,7 +66,7 @@ impl Path {
         }
     }
 
-    /// The rows; `None` where no message was a way.
+    /// The rows; `None` where no message was a track.
     pub(super) fn finish(self) -> Option<Series<PoseRow>> {
         finish_poses(self.kept?.rows)
     }

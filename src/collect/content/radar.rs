@@ -17,7 +17,7 @@ const MOST: usize = 1024;
 /// Takes in detections in recording order.
 pub(super) struct Radars {
     first: Point,
-    /// What the detections stand in, what their speeds are called, and what these are.
+    /// The frame of the detections, the name of their speeds, and what these are.
     told: Option<(RadarForm, String, SpeedForm)>,
     count: u64,
     looked_at: u64,
@@ -42,7 +42,7 @@ impl Radars {
         }
     }
 
-    /// Messages were left out here; a scan that was being put together is cut, and dropped.
+    /// Messages were left out here; an unfinished scan is cut, and dropped.
     pub(super) fn seam(&mut self) {
         self.open = None;
         self.runs.seam();
@@ -95,7 +95,7 @@ impl Radars {
         });
     }
 
-    /// Takes in one detection of a scan: the next scan begins where its number does not grow, or it comes late.
+    /// Takes in one detection of a scan: the next scan begins where its number does not grow, or it is late.
     fn single(&mut self, point: Point, id: Option<u64>, echoes: &[Echo]) {
         let is_of_it = |open: &(Point, Option<u64>, Vec<Echo>)| {
             let grows = id.zip(open.1).is_none_or(|(id, last)| id > last);
@@ -159,7 +159,7 @@ impl Radars {
     }
 }
 
-/// A detection with its speed along the line of sight; `None` where a number is not finite, or it lies at the origin.
+/// A detection with its speed along the line of sight; `None` where a number is not finite, or it is at the origin.
 fn along(echo: &Echo) -> Option<[f64; 4]> {
     let [x, y, z] = echo.place;
     let range = (x * x + y * y + z * z).sqrt();

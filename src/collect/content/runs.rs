@@ -10,7 +10,7 @@ pub(super) struct Runs<T> {
     length: usize,
     /// Every `stride`-th run is kept.
     stride: u64,
-    /// The number of the run that is being made, and how many messages it has so far.
+    /// The number of the current run, and how many messages it has so far.
     number: u64,
     made: usize,
 }

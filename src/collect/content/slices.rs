@@ -42,12 +42,12 @@ impl Slices {
 /// A point near the plane: its distance squared, its coordinates, and its time as published.
 type Near = (f64, [f64; 3], f64);
 
-/// The nearest points of a cloud in each direction, and their times, not a number where they have none; `None` where its points have
+/// The nearest points of a cloud in each direction, and their times, NaN where they have none; `None` where its points have
 /// no coordinates.
 fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields).map(|(_, column)| column);
-    // Those beneath, and those above.
+    // Those below, and those above.
     let mut nearest = vec![[None::<Near>; 2]; SLICE_BINS as usize];
     for row in 0..cloud.rows() {
         for column in 0..cloud.width {
@@ -56,7 +56,7 @@ fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Ve
                 break;
             };
             let flat = x * x + y * y;
-            // Also false where one is not a number, or all are zero.
+            // Also false where one is NaN, or all are zero.
             let is_level = z * z < SLICE_SLOPE * SLICE_SLOPE * flat && flat.is_finite();
             if !is_level {
                 continue;
@@ -74,7 +74,7 @@ fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Ve
     Some(kept.map(|(_, point, time)| (*point, *time)).unzip())
 }
 
-/// Times after the earliest; none where one is no number, or all are the same.
+/// Times after the earliest; none where one is NaN, or all are the same.
 fn after(mut times: Vec<f64>) -> Vec<f64> {
     let first = times.iter().copied().fold(f64::INFINITY, f64::min);
     for time in &mut times {

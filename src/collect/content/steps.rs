@@ -16,9 +16,9 @@ const MOVES: f64 = 1e-9;
 const LARGE_M: f64 = 1e-3;
 /// A step by more than this can be undone, radians: 0.05°.
 const LARGE_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
-/// What the next step may leave of a step that it undoes.
+/// The share of a step that may remain after the next step undoes it.
 const LEFT: f64 = 0.2;
-/// A stamp that falls back by more than this is a clock that started anew, nanoseconds; smaller ones are disorder.
+/// A stamp that falls back by more than this is a clock that was reset, nanoseconds; smaller ones are out of order.
 const RESTART_NS: i64 = 1_000_000_000;
 
 /// Takes in poses in recording order.
@@ -90,7 +90,7 @@ impl Steps {
         self.before = None;
     }
 
-    /// Takes in a pose. One without a stamp, or whose stamp does not grow, is passed over.
+    /// Takes in a pose. One without a stamp, or whose stamp does not grow, is skipped.
     pub(in super::super) fn push(&mut self, point: Point, pose: Pose) {
         let Some(stamp_ns) = point.stamp_ns.filter(|stamp| *stamp != 0) else {
             return;
@@ -202,8 +202,8 @@ fn angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     2.0 * difference.imag().norm().atan2(difference.w.abs())
 }
 
-/// Whether a pose is back where the step before the last started from: what is left of its distance, or of its angle,
-/// is at most a fifth.
+/// Whether a pose is back where the step before the last started from: at most a fifth of its distance, or of its angle,
+/// remains.
 fn is_undone(before: &Before, now: &Known) -> bool {
     let Before { from, step } = before;
     let shifted = || step.distance_m > LARGE_M && length(now.position() - from.position()) <= LEFT * step.distance_m;
@@ -238,7 +238,7 @@ impl Top {
     }
 
     fn push(&mut self, key: f64, between: &Between) {
-        // A NaN is larger than nothing.
+        // A NaN is larger than no step.
         let is_larger = |known: f64| key > known;
         if !is_larger(MOVES) {
             return;

@@ -2,7 +2,7 @@
 
 use crate::read::messages::cloud::{Cloud, Column};
 
-/// Names of the times of points, as drivers write them.
+/// Names of time fields of points, as drivers write them.
 const TIMES: &[&str] = &[
     "t",
     "time",

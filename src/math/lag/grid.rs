@@ -6,7 +6,7 @@ use super::Options;
 
 /// Values on the grid without a hole.
 pub(super) struct Segment {
-    /// The number of the first value's grid point; point k lies at origin + k steps.
+    /// The number of the first value's grid point; point k is at origin + k steps.
     start: i64,
     values: Vec<f64>,
     /// The sums of all values before each one and of their squares, so that those of any piece cost nothing.
@@ -37,7 +37,7 @@ impl Segment {
         self.start + i64::try_from(self.values.len()).unwrap_or(0)
     }
 
-    /// The values at the grid points from..to. `None` unless all lie within.
+    /// The values at the grid points from..to. `None` unless all are within.
     fn piece(&self, from: i64, to: i64) -> Option<Piece<'_>> {
         let (from, to) = (
             usize::try_from(from - self.start).ok()?,
@@ -93,7 +93,7 @@ pub(super) fn segments<S: AsRef<[(f64, f64)]>>(stretches: &[S], options: &Option
     runs.retain(|(_, values)| !values.is_empty());
     let count = runs.iter().map(|(_, values)| values.len()).sum::<usize>() as f64;
     let mean = runs.iter().flat_map(|(_, values)| values).sum::<f64>() / count;
-    // What rounding leaves of a constant is no signal.
+    // The rounding error of a constant is no signal.
     let rounding = 1e-12 * mean.abs();
     let centred = |v: f64| if (v - mean).abs() <= rounding { 0.0 } else { v - mean };
     let segments = runs.into_iter();
@@ -102,7 +102,7 @@ pub(super) fn segments<S: AsRef<[(f64, f64)]>>(stretches: &[S], options: &Option
         .collect()
 }
 
-/// The averages of the line through the samples about each grid point whose whole average lies within them.
+/// The averages of the line through the samples about each grid point whose whole average is within them.
 fn averaged(run: &[(f64, f64)], options: &Options, origin_s: f64) -> Option<(i64, Vec<f64>)> {
     let (&(first, _), &(last, _)) = (run.first()?, run.last()?);
     let width = options.smooth_s.max(options.grid_s);
@@ -151,7 +151,7 @@ impl<'a> Integral<'a> {
 pub(super) fn parts(segments: &[Segment], count: usize) -> Vec<Vec<Segment>> {
     let total: usize = segments.iter().map(|s| s.values.len()).sum();
     let mut parts: Vec<Vec<Segment>> = Vec::new();
-    // A second opinion of more than a hundred voices is none.
+    // More than a hundred parts do not improve the estimate.
     let count = count.min(100);
     for part in 0..count {
         let (from, to) = (part * total / count, (part + 1) * total / count);

@@ -83,7 +83,7 @@ fn tally(seconds: f64, sd: f64, noise: f64, related: bool, trials: u32) -> Tally
 fn an_offset_is_found_as_often_and_as_well_as_in_s4() {
     // (noise in rad/s, seconds, least share found, largest deviation in ms). With 300 drives a line, for 10, 20, 40, 90
     // and 180 s: at 0.01 rad/s 43, 61, 85, 99.7 and 100 % are found, deviations 4.6, 3.1, 2.2, 1.5 and 1.1 ms; at 0.05
-    // rad/s 13, 40, 81, 99.7 and 100 %, 16, 13, 8.8, 5.9 and 4.4 ms. The deviation told was right within 10 %.
+    // rad/s 13, 40, 81, 99.7 and 100 %, 16, 13, 8.8, 5.9 and 4.4 ms. The stated deviation was right within 10 %.
     let table = [
         (0.01, 10.0, 0.25, 9.0),
         (0.01, 20.0, 0.45, 6.0),
@@ -107,7 +107,7 @@ fn an_offset_is_found_as_often_and_as_well_as_in_s4() {
             t.sd_ms
         );
         assert!(t.mean_ms.abs() < largest_sd_ms / 2.0);
-        // The deviation that is told is that which is seen.
+        // The stated deviation is the observed one.
         if seconds >= 40.0 {
             assert!(
                 (0.5..2.0).contains(&(t.told_sd_ms / t.sd_ms)),

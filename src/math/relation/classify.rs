@@ -11,7 +11,7 @@ use crate::math::rotation::rotation_angle_between;
 /// The limits of [`classify`]. The defaults were chosen by the simulations of `tests_detection.rs` and `tests_false_names.rs`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// A relation can explain a difference that it leaves within this angle, in radians.
+    /// A relation can explain a difference if the residual is within this angle, in radians.
     pub angle_rad: f64,
     /// ... and within this distance, in metres ...
     pub distance_m: f64,
@@ -49,8 +49,8 @@ pub struct Classification {
     /// The relation to name. `Equal`: the same within tolerance. `None`: no relation may be named, so report the plain
     /// difference as unexplained.
     pub best: Option<Relation>,
-    /// All relations that this data can't tell from `best`: `best` first, the others in prior order. Empty when `best`
-    /// is `None`. More than one: say "indistinguishable here".
+    /// All relations that this data can't distinguish from `best`: `best` first, the others in prior order. Empty when
+    /// `best` is `None`. More than one: say "indistinguishable here".
     pub class: Vec<Relation>,
     /// Relations that fit but are not named, because the two transforms are so nearly equal that a genuine small
     /// misalignment explains them as well. Never report one as the cause. Empty when `best` is `Some`.
@@ -61,9 +61,9 @@ pub struct Classification {
     pub angle_rad: f64,
     /// The plain difference of the two translations, in metres; 0 where only rotations were compared.
     pub distance_m: f64,
-    /// What `best` leaves of the angle, in radians; the plain difference when `best` is `None`.
+    /// The residual angle with `best`, in radians; the plain difference when `best` is `None`.
     pub residual_angle_rad: f64,
-    /// What `best` leaves of the distance, in metres; the plain difference when `best` is `None`.
+    /// The residual distance with `best`, in metres; the plain difference when `best` is `None`.
     pub residual_m: f64,
 }
 
@@ -74,7 +74,7 @@ impl Classification {
     }
 }
 
-/// Scores up to this count as an exact fit: 0.04 degrees or 1 mm, what rounding in files leaves.
+/// Scores up to this count as an exact fit: 0.04 degrees or 1 mm, the rounding errors of files.
 const EXACT_SCORE: f64 = 0.02;
 
 /// The difference between two transforms, and its score.
@@ -106,7 +106,7 @@ struct Candidate {
     gap: Gap,
 }
 
-/// Finds the relation `f` with `t2 = f(t1)`: `t1` is taken for the truth, `t2` for the transform that may hold an error.
+/// Finds the relation `f` with `t2 = f(t1)`: `t1` is taken as the truth, `t2` as the transform that may hold an error.
 ///
 /// Both are `target_from_source` of the same two frames, in metres.
 ///
@@ -143,8 +143,8 @@ pub fn classify(t1: &Isometry3<f64>, t2: &Isometry3<f64>, tol: &Tolerance) -> Cl
 
 /// [`classify`] for two rotations whose translations are unknown (an IMU's orientation, a rotation-only matrix).
 ///
-/// Relations of translations are left out. `Inverse` and `Transposed` are one map here, and a right factor can't be told
-/// from a full change by it: expect larger classes. `distance_m` and `residual_m` are 0.
+/// Relations of translations are left out. `Inverse` and `Transposed` are one map here, and a right factor can't be distinguished
+/// from a change of both frames by it: expect larger classes. `distance_m` and `residual_m` are 0.
 pub fn classify_rotation(r1: &UnitQuaternion<f64>, r2: &UnitQuaternion<f64>, tol: &Tolerance) -> Classification {
     let [t1, t2] = [r1, r2].map(|r| Isometry3::from_parts(Vector3::zeros().into(), *r));
     let relations = Relation::all()
@@ -165,7 +165,7 @@ pub struct EitherWay {
 }
 
 /// [`classify`] where neither of the two is known to be the truth: tries `b = f(a)`, and if nothing may be named,
-/// `a = f(b)`. That second look finds what can't be undone: degrees, a lost rotation or translation, a doubled transform.
+/// `a = f(b)`. The second attempt finds what can't be undone: degrees, a lost rotation or translation, a doubled transform.
 pub fn classify_either_way(a: &Isometry3<f64>, b: &Isometry3<f64>, tol: &Tolerance) -> EitherWay {
     let forward = classify(a, b, tol);
     if forward.best.is_none() {
@@ -225,7 +225,7 @@ fn decide(
     };
 
     if plain.within {
-        // Whatever fits better than `Equal` can't be excluded, also when it is just past the tolerance from it.
+        // A relation that fits better than `Equal` can't be excluded, even just past the tolerance from it.
         let better = |c: &Candidate| c.gap.within && c.gap.score <= plain.score;
         let class = members(&candidates, |c| better(c) || gap(&c.predicted, t1, tol).within);
         return match candidates.first() {

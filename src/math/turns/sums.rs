@@ -1,4 +1,4 @@
-//! Sums over windows: turns by the orientation against turns by the gyro.
+//! Sums over windows: turns by the orientation compared with turns by the gyro.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,7 +13,7 @@ pub(super) struct Agreement {
     /// As in [`Score::r2`].
     r2: f64,
     /// The sum of the singular values of sum s d^T, over sqrt(sum d . d sum s . s): the correlation under the rotation
-    /// or mirror that serves it best (Kabsch 1976), over all windows.
+    /// or mirror that fits it best (Kabsch 1976), over all windows.
     explained: f64,
 }
 
@@ -80,7 +80,7 @@ pub(super) fn agreement<'a>(windows: impl Iterator<Item = &'a Window>, turned: &
     })
 }
 
-/// Sums over windows of the turns of one reading against the gyro's.
+/// Sums over windows of the turns of one reading and of the gyro.
 #[derive(Default)]
 struct Sums {
     n: f64,

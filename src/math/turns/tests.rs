@@ -77,7 +77,7 @@ fn a_steady_turn_is_followed_exactly_and_its_conjugate_is_opposite() {
     assert!((found.rotation_rad - 0.6 * found.covered_s).abs() < 1e-6);
     assert!(found.covered_s > 3.4 && found.covered_s <= 3.7);
     assert!((found.axis_rms_rad_s[1] - 0.4).abs() < 1e-5 && (found.step_s - 0.02).abs() < 1e-6);
-    // What does not vary has no R2 to speak of, and the caller can see it.
+    // A constant has no meaningful R2, and the caller can see it.
     assert!(found.varying_rms_rad < 1e-5);
     assert!((score(&found, Reading::Xyzw).gain - 1.0).abs() < 1e-5);
 }

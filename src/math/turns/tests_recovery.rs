@@ -81,7 +81,7 @@ fn by_r2(found: &Turns, limit: f64) -> Option<Reading> {
 }
 
 /// On real recordings: 10 degrees of rotation in active windows; one of body and inverse under 0.35
-/// with the other over 1.3. The two readings of exchanged slots are treated alike.
+/// with the other over 1.3. The two readings of exchanged slots are treated equally.
 fn by_residual(found: &Turns) -> Option<Reading> {
     let residual = |reading| found.score(reading).map(|s| s.residual);
     let pairs = [

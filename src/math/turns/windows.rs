@@ -142,7 +142,7 @@ struct Edge {
     plain: Vector3<f64>,
 }
 
-/// What the gyro says of one window: its turn as a rotation vector in the body's axes at the start, and the plain
+/// The gyro in one window: its turn as a rotation vector in the body's axes at the start, and the plain
 /// integral of its rate, radians.
 #[derive(Clone, Copy)]
 pub(super) struct Turned {
@@ -151,7 +151,7 @@ pub(super) struct Turned {
 }
 
 impl Turned {
-    /// Without what a bias made of it, radians: good for turns of less than a radian or so.
+    /// Without the effect of a bias, radians: good for turns of less than a radian or so.
     pub(super) fn take_off(&mut self, bias_rad: &Vector3<f64>) {
         self.turn -= bias_rad;
         self.plain -= bias_rad;
@@ -184,7 +184,7 @@ pub(super) fn turned(runs: &[Run], windows: &[Window], nth: usize, lag_s: f64) -
 /// Every window of every run, leaving room for the lags on both sides.
 pub(super) fn windows(runs: &[Run], options: &Options, step_s: f64) -> Vec<Window> {
     let mut windows = Vec::new();
-    // A third of a step of grace: with stamps that tremble, a window of ten steps shall not become one of eleven, nor
+    // A third of a step of grace: with stamps that jitter, a window of ten steps shall not become one of eleven, nor
     // one of twelve and a half (0.25 s at 50 Hz) now twelve, now thirteen.
     let grace_s = step_s / 3.0;
     let (length, hop) = (options.window_s - grace_s, options.hop_s - grace_s);

@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Channel, Sampling, Wanted};
 
-/// Chunks in which a channel is looked for at least, as far as it has so many.
+/// Fewest chunks that are read for a channel, as far as it has so many.
 const CHUNKS_PER_CHANNEL: usize = 6;
-/// Chunks in which a channel that is wanted throughout is looked for at most.
+/// Most chunks that are read for a channel that is wanted throughout.
 const CHUNKS_THROUGHOUT: usize = 64;
 
 /// A chunk, as the index of the file describes it. Chunks are numbered in the order of the file.
@@ -24,7 +24,7 @@ pub(super) struct ChunkInfo {
     pub(super) channels: Vec<u32>,
 }
 
-/// The channels that are wanted otherwise than others, by the format's own count.
+/// Channels that are read in a special way, numbered by the format's own count.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Marked {
     /// Looked for in more chunks.
@@ -34,7 +34,7 @@ pub(super) struct Marked {
 }
 
 impl Marked {
-    /// By what tells the channels of a kind.
+    /// `channels` gives the numbers of the channels that match a predicate.
     pub(super) fn of(wanted: &Wanted<'_>, channels: impl Fn(&dyn Fn(&Channel) -> bool) -> BTreeSet<u32>) -> Self {
         Self {
             throughout: channels(wanted.throughout),
@@ -63,7 +63,7 @@ pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, marked: &Marked)
         };
         let first = holding.first().copied();
         let met = holding.iter().filter(|number| chosen.contains(number)).count();
-        // What the room allows is spread too: the beginning must not use it up.
+        // What the budget allows is spread too: the beginning must not use it up.
         let largest = holding
             .iter()
             .filter_map(|number| chunks.get(*number))
@@ -75,7 +75,7 @@ pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, marked: &Marked)
         } else {
             spread(&holding, wanted)
         };
-        // The first chunk of a channel is read whatever it costs.
+        // The first chunk of a channel is read at any cost.
         chosen.extend(first);
         for number in spread {
             let bytes = chunks.get(number).map_or(0, |chunk| chunk.bytes);
@@ -139,7 +139,7 @@ fn runs(chunks: &[ChunkInfo], sampling: &Sampling, in_a_row: &BTreeSet<u32>) -> 
     chosen
 }
 
-/// For every channel, the chunks that hold it; the rarest channels first, so that the room is theirs.
+/// For every channel, the chunks that hold it; the rarest channels first, so that they get the budget.
 fn holders(chunks: &[ChunkInfo]) -> Vec<(u32, Vec<usize>)> {
     let mut holders: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (number, chunk) in chunks.iter().enumerate() {

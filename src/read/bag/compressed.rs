@@ -19,7 +19,7 @@ use super::{Channel, MAX_MESSAGE, Message, Progress, Visit};
 const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// Bound on what a file may unpack to, bytes.
 const MAX_UNPACKED: u64 = 64 << 30;
-/// What a file may unpack to whatever its size, bytes.
+/// What any file may unpack to, even a small one, bytes.
 const FREE: u64 = 256 << 20;
 /// How many times larger than itself a file may get beyond that. Recordings shrink to a half, or a tenth.
 const MAX_RATIO: u64 = 100;
@@ -32,11 +32,11 @@ pub(super) struct Unpacked {
     pub(super) file: Temporary,
     /// Its size, bytes.
     pub(super) size: u64,
-    /// Why it is not all.
+    /// Why the file was not unpacked to its end.
     pub(super) fault: Option<String>,
 }
 
-/// Unpacks a compressed file of `total` bytes to a temporary one. What stands before damage comes out.
+/// Unpacks a compressed file of `total` bytes to a temporary one. Everything before a damaged place is unpacked.
 pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
     let bound = (FREE + total.saturating_mul(MAX_RATIO)).min(MAX_UNPACKED);
     unpack_within(bound, file, total, progress)
@@ -64,7 +64,7 @@ fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> 
         size += read as u64;
         if size > bound {
             fault = Some(format!(
-                "it unpacks to more than {bound} bytes; what comes after them was not read"
+                "the file unpacks to more than {bound} bytes; the rest was not read"
             ));
             break;
         }
@@ -94,7 +94,7 @@ impl Read for Counted {
     }
 }
 
-/// Hands messages on, decompressed where they are a frame each.
+/// Passes messages on, decompressed where each is a frame.
 pub(super) struct Inflate<'v> {
     visit: &'v mut dyn Visit,
     decompressor: Option<Decompressor<'static>>,
@@ -123,7 +123,9 @@ impl<'v> Inflate<'v> {
         let words = |error: std::io::Error| error.to_string();
         self.buffer.clear();
         match get_frame_content_size(data) {
-            Ok(Some(size)) if size > MAX_MESSAGE => Err(format!("it claims {size} bytes")),
+            Ok(Some(size)) if size > MAX_MESSAGE => Err(format!(
+                "its header claims {size} bytes, above the limit of {MAX_MESSAGE}"
+            )),
             Ok(Some(size)) => {
                 self.buffer.reserve(usize::try_from(size).unwrap_or(0));
                 let decompressor = match &mut self.decompressor {
@@ -143,19 +145,19 @@ impl<'v> Inflate<'v> {
                     .read_to_end(&mut self.buffer)
                     .map_err(words)?;
                 if self.buffer.len() as u64 > MAX_MESSAGE {
-                    return Err(format!("it holds more than {MAX_MESSAGE} bytes"));
+                    return Err(format!("it unpacks to more than {MAX_MESSAGE} bytes"));
                 }
                 Ok(())
             }
-            Err(_) => Err("its head is damaged".to_owned()),
+            Err(_) => Err("its header is damaged".to_owned()),
         }
     }
 
-    /// Writes down what could not be decompressed; returns whether anything was lost.
+    /// Reports what could not be decompressed; returns whether anything was lost.
     pub(super) fn report(&self, source: &mut Source) -> bool {
         if let Some(why) = &self.why {
             let (broken, of) = (self.broken, self.compressed);
-            let message = format!("{broken} of {of} compressed messages do not decompress, the first one: {why}");
+            let message = format!("{broken} of {of} compressed messages cannot be decompressed; the first: {why}");
             source.problem(ReadStatus::Partial, Place::whole(source.id), message);
             let read = &mut source.examined.messages;
             *read = read.map(|read| read.saturating_sub(broken));
@@ -187,7 +189,7 @@ impl Visit for Inflate<'_> {
                 self.why.get_or_insert(why);
             }
         }
-        // One large message must not hold its room for ever.
+        // The memory of one large message must not be kept for ever.
         if self.buffer.capacity() > STEP {
             self.buffer = Vec::new();
         }

@@ -1,6 +1,6 @@
-//! Chunks: checked, decompressed in parallel, handed on in order.
+//! Chunks: checked, decompressed in parallel, passed on in order.
 //!
-//! Owns the bound on memory: a batch is being decompressed while the one before it is looked into. Must not know what
+//! Owns the bound on memory: a batch is decompressed while the one before it is read. Must not know what
 //! is inside a chunk.
 
 use std::cell::RefCell;
@@ -27,7 +27,7 @@ pub(super) enum Compression {
     Bz2,
 }
 
-/// A chunk as it stands in the file.
+/// A chunk as stored in the file.
 pub(super) struct Packed {
     /// Where its record starts in the file.
     pub(super) at: u64,
@@ -45,7 +45,7 @@ pub(super) struct Packed {
     pub(super) data: Vec<u8>,
 }
 
-/// A chunk ready to be looked into.
+/// A chunk ready to be read.
 pub(super) struct Unpacked {
     /// Where its record starts in the file.
     pub(super) at: u64,
@@ -57,7 +57,7 @@ pub(super) struct Unpacked {
     pub(super) data: Result<Vec<u8>, String>,
 }
 
-/// Takes chunks in, and gives them out in the same order.
+/// Takes chunks in and returns them in the same order.
 #[derive(Default)]
 pub(super) struct Inflater {
     packed: Vec<Packed>,
@@ -74,7 +74,7 @@ impl Inflater {
         buffer
     }
 
-    /// Takes in a chunk. Where a batch is full, the batch before is handed to `look`; its error ends that.
+    /// Takes in a chunk. Once a batch is full, the batch before it is passed to `look`, whose error stops the reading.
     pub(super) fn push<E>(&mut self, chunk: Packed, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
         self.waiting_bytes += chunk.size.max(chunk.data.len() as u64);
         self.packed.push(chunk);
@@ -85,13 +85,13 @@ impl Inflater {
         self.turn(look)
     }
 
-    /// Hands on all that was taken in.
+    /// Passes on everything that was taken in.
     pub(super) fn finish<E>(&mut self, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
         self.turn(look)?;
         self.turn(look)
     }
 
-    /// Decompresses the waiting batch while the one before is looked into.
+    /// Decompresses the waiting batch while the one before is read.
     fn turn<E>(&mut self, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
         let packed = std::mem::take(&mut self.packed);
         self.waiting_bytes = 0;
@@ -113,7 +113,7 @@ impl Inflater {
             }
             look_all();
         } else {
-            // What is looked into stays on this thread; the chunks go to the others.
+            // Reading stays on this thread; the other threads decompress.
             rayon::in_place_scope(|scope| {
                 for ((chunk, slot), buffer) in jobs {
                     scope.spawn(move |_| *slot = Some(unpack(chunk, buffer)));
@@ -128,7 +128,7 @@ impl Inflater {
             let data = slot.unwrap_or_else(|| Err("the chunk was not decompressed".to_owned()));
             let mut compressed = chunk.data;
             let data = match data {
-                // Bytes that were not compressed are handed on as they are.
+                // Bytes that were not compressed are passed on unchanged.
                 Ok(buffer) if chunk.compression == Compression::None => {
                     let bytes = std::mem::replace(&mut compressed, buffer);
                     Ok(bytes)
@@ -149,8 +149,8 @@ impl Inflater {
     }
 }
 
-/// Decompresses a chunk into a buffer and holds it against its checksum; a chunk that is not compressed is only held
-/// against it.
+/// Decompresses a chunk into a buffer and compares its checksum; of a chunk that is not compressed only the
+/// checksum is compared.
 fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
     buffer.clear();
     let size = usize::try_from(chunk.size).map_err(|_| "a chunk is larger than this machine's memory".to_owned())?;
@@ -174,7 +174,7 @@ fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
     if bytes.len() != size {
         let got = bytes.len();
         return Err(format!(
-            "a chunk is damaged: {got} bytes come out of it where {size} are claimed"
+            "a chunk is damaged: it decompresses to {got} bytes, its header says {size}"
         ));
     }
     if chunk.checksum != 0 {
@@ -231,7 +231,7 @@ impl<R: Read> Read for Guarded<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let (decoder, lent) = (&mut self.0, buffer);
         catch_unwind(AssertUnwindSafe(|| decoder.read(lent)))
-            .unwrap_or_else(|_| Err(io::Error::other("the decompressor broke down")))
+            .unwrap_or_else(|_| Err(io::Error::other("the decompressor crashed")))
     }
 }
 

@@ -1,13 +1,13 @@
 //! What a file is, by its first bytes.
 //!
-//! Owns the magics of recordings and of what is mistaken for one, and the words of refusal.
+//! Owns the magic bytes of recordings and of files mistaken for one, and the messages that refuse them.
 
 use crate::source::SourceKind;
 
 /// How many bytes decide.
 pub(super) const SNIFFED: u64 = 64;
 
-/// What the first bytes of a file say.
+/// What a file is by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Container {
     /// An MCAP recording.
@@ -40,7 +40,7 @@ impl Container {
         let magics: [(&[u8], Self); 10] = [
             (::mcap::MAGIC, Self::Mcap),
             (b"#ROSBAG V", Self::Rosbag1),
-            // Before version 1.2 was followed by 2.0 they were called so.
+            // The name of the formats before 2.0 (up to version 1.2).
             (b"#ROSRECORD V", Self::Rosbag1),
             (b"SQLite format 3\0", Self::Sqlite),
             (&[0x1f, 0x8b], Self::Gzip),
@@ -64,8 +64,8 @@ impl Container {
         matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
     }
 
-    /// Why such a file is not read as the recording it is taken for, and what to do. For those that are read there is
-    /// nothing to refuse.
+    /// Why such a file cannot be read as the expected recording, and what to do. Files with a reader are
+    /// never refused.
     pub(super) fn refusal(self, taken_for: SourceKind) -> (String, Option<&'static str>) {
         let not = match taken_for {
             SourceKind::Rosbag1 => "not a ROS 1 bag",
@@ -76,8 +76,8 @@ impl Container {
         let is = |what: &str| format!("{not}: this is {what}");
         match self {
             Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Zstd | Self::Unknown => (
-                format!("{not}: magic missing at byte 0"),
-                Some("give a recording; a file that should be one is damaged from its first bytes on"),
+                format!("{not}: the magic bytes at byte 0 are missing"),
+                Some("pass a recording; if this file should be one, its first bytes are damaged"),
             ),
             Self::Empty => ("the file is empty".to_owned(), None),
             Self::Gzip => (is("a file compressed with gzip"), Some("decompress it first: `gunzip`")),
@@ -88,7 +88,7 @@ impl Container {
             ),
             Self::Zip => (is("a ZIP archive"), Some("unpack it first")),
             Self::GitLfsPointer => (
-                is("a Git LFS pointer, the recording itself was not downloaded"),
+                is("a Git LFS pointer; the recording itself was not downloaded"),
                 Some("fetch it: `git lfs pull`"),
             ),
         }

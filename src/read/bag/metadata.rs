@@ -1,7 +1,7 @@
 //! `metadata.yaml`, which rosbag2 writes into the folder of a recording.
 //!
 //! Owns the file's layout in every version (1 to 9) and the places in its text. Must not open recordings, nor judge
-//! whether what the file says is true.
+//! whether the file is right.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,19 +17,19 @@ use crate::source::Span;
 
 /// The name of the file.
 pub(in crate::read) const NAME: &str = "metadata.yaml";
-/// The key that makes a YAML file one of these.
+/// The key by which a YAML file is recognised as one.
 pub(in crate::read) const ROOT: &str = "rosbag2_bagfile_information";
 /// Larger files are refused; a thousand topics in a thousand files take one megabyte.
 const MAX_BYTES: u64 = 32 << 20;
 /// Bound on the files of a recording.
 const MAX_FILES: usize = 100_000;
-/// Deepest nesting that is written out again.
+/// Deepest nesting that is written back as text.
 const MAX_DEPTH: usize = 4;
 
 /// A value with its place in the text.
 pub(super) type At<T> = Option<(T, Span)>;
 
-/// What the file says of a recording.
+/// What the file says about a recording.
 #[derive(Clone, Debug, Default)]
 pub(in crate::read) struct Metadata {
     /// The text that the places point into.
@@ -52,16 +52,16 @@ pub(in crate::read) struct Metadata {
     pub(super) duration_ns: At<i64>,
     /// The distribution that recorded.
     pub(super) ros_distro: Option<String>,
-    /// What the user had recorded beside messages.
+    /// What the user stored in the recording besides messages.
     pub(super) custom_data: BTreeMap<String, String>,
     /// Where and why the text could not be read further.
     pub(super) fault: Option<(usize, String)>,
 }
 
-/// What the file says of a topic.
+/// What the file says about a topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TopicSaid {
-    /// Where its name stands.
+    /// Where its name is.
     pub(super) name_at: Span,
     /// Type of the messages.
     pub(super) message_type: At<String>,
@@ -88,7 +88,7 @@ impl Metadata {
         Ok(Self::parse(text))
     }
 
-    /// Reads the metadata that names the file at `path`, from the folder that it lies in.
+    /// Reads the metadata that names the file at `path`, from the folder of that file.
     pub(in crate::read) fn beside(path: &Path) -> Option<Self> {
         let metadata = Self::read(&path.parent()?.join(NAME)).ok()??;
         let name = path.file_name()?;
@@ -102,7 +102,7 @@ impl Metadata {
         let documents = events::build(text.get(bom..).unwrap_or_default(), &OffsetMap::starting_at(bom));
         let fault = documents.fault.map(|fault| (fault.at, fault.message));
         let Some(root) = documents.roots.iter().find_map(|root| root.get(ROOT)) else {
-            // A text that breaks off before its first value is still what its first line says.
+            // A text that ends before its first value is still recognised by its first line.
             let is_one = fault.is_some() && text.lines().any(|line| line.starts_with(ROOT));
             return is_one.then(|| Self {
                 text,

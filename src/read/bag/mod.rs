@@ -1,6 +1,6 @@
 //! Recordings: one interface for every container format.
 //!
-//! Owns the words channel and message, and the choice of the reader by a file's first bytes. Must not know what
+//! Owns the notions of channel and message, and the choice of the reader by a file's first bytes. Must not know what
 //! is inside the messages, nor keep any of them.
 
 mod chunks;
@@ -29,7 +29,7 @@ use metadata::Metadata;
 
 pub use kind::Container;
 
-/// Told `(bytes done, bytes in all)` while a recording is read.
+/// Called with `(bytes done, bytes in total)` while a recording is read.
 pub type Progress<'a> = &'a dyn Fn(u64, u64);
 
 /// One channel of a recording: a topic as one writer published it. A topic may have several.
@@ -47,13 +47,13 @@ pub struct Channel {
     pub schema_encoding: String,
     /// Encoding of the messages (`cdr`, `ros1`, `protobuf`, `json`).
     pub message_encoding: String,
-    /// What the recorder noted of the channel; rosbag2 writes `offered_qos_profiles`.
+    /// Metadata that the recorder stored with the channel; rosbag2 writes `offered_qos_profiles`.
     pub metadata: BTreeMap<String, String>,
     /// Who wrote it, where the format knows: the node of a ROS 1 connection (`callerid`).
     pub writer: Option<String>,
     /// Whether late subscribers get the last message again: `latching=1` of ROS 1, `transient_local` of ROS 2.
     pub latched: bool,
-    /// Messages of the channel in the whole recording, where its index says.
+    /// Messages of the channel in the whole recording, if its index states it.
     pub total: Option<u64>,
 }
 
@@ -68,15 +68,15 @@ pub struct Message<'a> {
 
 /// What takes in a recording, in one pass and in the order of the file.
 pub trait Visit {
-    /// A channel, before its first message. Channels without messages are told too.
+    /// A channel, before its first message. Channels without messages are announced too.
     fn channel(&mut self, channel: &Channel);
-    /// A message of a channel told before.
+    /// A message of a channel announced before.
     fn message(&mut self, channel: &Channel, message: &Message<'_>);
-    /// Messages were left out here: the next one does not follow the last one.
+    /// Messages were skipped here: the next one does not follow the last one.
     fn seam(&mut self);
-    /// What follows stands in this file of a recording that has several.
+    /// What follows is in this file of a recording that has several.
     fn part(&mut self, _name: &str) {}
-    /// Something that the recording holds beside messages: a metadata record with its fields, or under the name
+    /// Something that the recording contains besides messages: a metadata record with its fields, or under the name
     /// `attachments` the name of an attachment with its media type. A name may come several times.
     fn annotation(&mut self, _name: &str, _fields: &BTreeMap<String, String>) {}
 }
@@ -87,25 +87,25 @@ pub trait Visit {
 pub struct Sampling {
     /// Number of runs.
     pub windows: u32,
-    /// Length of a run that the rules ask for, seconds of log time.
+    /// Length of a run that the rules require, seconds of log time.
     pub seconds: f64,
     /// Bound on all runs together, bytes of messages; a recording that is smaller is read wholly.
     pub bytes: u64,
-    /// Runs that go on for all of `seconds`, whatever `bytes` says, where they hold channels that are wanted in a row.
+    /// Runs that cover all of `seconds`, beyond the limit of `bytes`, where they contain channels that are wanted in a row.
     pub carried: Option<Carried>,
 }
 
-/// Messages that are looked at beside their neighbours, and are so large that a run of usual bytes holds none.
+/// For messages that are compared with their neighbours, and are so large that a run of ordinary size contains none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Carried {
-    /// How many of the runs go on.
+    /// How many of the runs are extended in this way.
     pub runs: u32,
     /// Bound on each of them, bytes of messages.
     pub bytes: u64,
 }
 
 impl Sampling {
-    /// Bound on one of the runs, bytes, and the same where it holds channels that are wanted in a row.
+    /// Bound on one of the runs, bytes, and the bound where it contains channels that are wanted in a row.
     fn bounds(&self, run: u32) -> (u64, u64) {
         let runs = self.windows.max(1);
         let share = self.bytes / u64::from(runs);
@@ -123,7 +123,7 @@ impl Sampling {
 pub struct Wanted<'a> {
     /// Everything where `None`.
     pub sampling: Option<Sampling>,
-    /// Channels that are read as far as the index makes it cheap, whatever the runs are; of every other channel, the
+    /// Channels that are read outside of the runs too, as far as the index makes it cheap; of every other channel, the
     /// first messages and some more over the length are read.
     pub throughout: &'a dyn Fn(&Channel) -> bool,
     /// Channels whose messages are compared with the next ones: [`Sampling::carried`] is for them.
@@ -139,18 +139,18 @@ impl Wanted<'_> {
     };
 }
 
-/// What a reader is given beside the file.
+/// The input of a reader besides the file.
 struct Task<'a> {
     wanted: Wanted<'a>,
-    /// Where is said how far reading went.
+    /// Receives how far reading went.
     source: &'a mut Source,
     progress: Progress<'a>,
-    /// Who takes in what is found.
+    /// Receives what is found.
     visit: &'a mut dyn Visit,
 }
 
 impl Task<'_> {
-    /// The same task for as long as this one is lent out.
+    /// The same task, borrowed.
     fn lent(&mut self) -> Task<'_> {
         Task {
             wanted: self.wanted,
@@ -161,18 +161,18 @@ impl Task<'_> {
     }
 }
 
-/// How far a recording was read, as against how far it goes.
+/// How far a recording was read, and how far it extends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
-    /// Whether messages may be missing at the end, or after a fault, so that absence proves nothing.
+    /// Whether messages may be missing at the end, or after a fault, so that the absence of a message proves nothing.
     pub truncated: bool,
     /// Whether every message was read that the file holds (before a fault).
     pub whole: bool,
     /// Whether the file has an index that was used.
     pub indexed: bool,
-    /// Messages in the whole recording, where its index says.
+    /// Messages in the whole recording, if its index states it.
     pub messages_total: Option<u64>,
-    /// First and last log time of the whole recording, nanoseconds, where its index says.
+    /// First and last log time of the whole recording, nanoseconds, if its index states it.
     pub span_ns: Option<(i64, i64)>,
 }
 
@@ -185,11 +185,11 @@ pub struct Recording<'a> {
     pub parts: &'a [PathBuf],
 }
 
-/// Bound on one message, and on a record that is no chunk, bytes. The largest messages met in recordings are clouds and
+/// Bound on one message, and on a record that is not a chunk, bytes. The largest messages in recordings are clouds and
 /// images of some ten megabytes.
 const MAX_MESSAGE: u64 = 128 << 20;
 
-/// Of a file that could not be read at all.
+/// The extent of a file that could not be read at all.
 const NOTHING: Extent = Extent {
     truncated: true,
     whole: false,
@@ -198,7 +198,7 @@ const NOTHING: Extent = Extent {
     span_ns: None,
 };
 
-/// Reads a recording once, whatever its format, and says in `source` how far that went: its status, its detail, what
+/// Reads a recording of any format once, and notes in `source` how far that went: its status, its detail, what
 /// was examined and every problem.
 pub fn read(
     recording: &Recording<'_>,
@@ -224,7 +224,8 @@ pub fn read(
     let metadata = Metadata::beside(path);
     let extent = file(path, metadata.as_ref(), task.lent());
     if let Some(files) = metadata.map(|metadata| metadata.files.len()).filter(|files| *files > 1) {
-        let detail = format!("one of the {files} files that `metadata.yaml` beside it names; the others were not read");
+        let detail =
+            format!("one of the {files} files that the `metadata.yaml` next to it lists; the others were not read");
         task.source.detail.get_or_insert(detail);
     }
     extent
@@ -316,7 +317,7 @@ fn packed(file: File, total: u64, metadata: Option<&Metadata>, mut task: Task<'_
     }
     let container = Container::of(&first_bytes(&inner.0));
     if !container.is_read() {
-        let why = "the file is compressed with zstd and holds no recording".to_owned();
+        let why = "the file is compressed with zstd but contains no recording".to_owned();
         source.problem(ReadStatus::Unreadable, whole, why);
         return NOTHING;
     }
@@ -326,7 +327,7 @@ fn packed(file: File, total: u64, metadata: Option<&Metadata>, mut task: Task<'_
     };
     let extent = plain(unpacked.file.path(), inner, metadata, quiet);
     let source = task.source;
-    // What was examined counts in bytes of the file that the user knows.
+    // The examined bytes are those of the compressed file, the one that the user knows.
     let share = source.examined.bytes as f64 / unpacked.size.max(1) as f64;
     source.examined.bytes_total = total;
     source.examined.bytes = if share >= 1.0 && !truncated {
@@ -373,14 +374,14 @@ fn plain(path: &Path, (file, total): (File, u64), metadata: Option<&Metadata>, t
     NOTHING
 }
 
-/// First and last log time of a file, nanoseconds, where its index says. `Err` where it is no recording.
+/// First and last log time of a file, nanoseconds, if its index states it. `Err` where it is not a recording.
 fn span(path: &Path) -> Result<Option<(i64, i64)>, String> {
     let (file, total) = open(path)?;
     match Container::of(&first_bytes(&file)) {
         Container::Mcap => Ok(mcap::span(&file, total)),
         Container::Sqlite => Ok(sqlite::span(path, total)),
         Container::Rosbag1 => Ok(split::rosbag1_span(&file, total)),
-        _ => Err("no recording".to_owned()),
+        _ => Err("not a recording".to_owned()),
     }
 }
 
@@ -394,10 +395,10 @@ fn open(path: &Path) -> Result<(File, u64), String> {
     Ok((File::open(path).map_err(cannot)?, metadata.len()))
 }
 
-/// The first bytes of a file, which is left rewound; fewer where it is shorter or cannot be read.
+/// The first bytes of a file, which is rewound; fewer if it is shorter or cannot be read.
 fn first_bytes(mut file: &File) -> Vec<u8> {
     let mut first = Vec::new();
-    // What cannot be read is no magic; a lasting fault shows again when the file is read in earnest.
+    // What cannot be read is not a magic; a lasting fault appears again when the whole file is read.
     let _ = file.take(kind::SNIFFED).read_to_end(&mut first);
     let _ = file.seek(SeekFrom::Start(0));
     first

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// What a file's name says: the name without number (and date), the ending, and the number. `None` where it has none.
+/// The parts of a file's name: the name without number (and date), the ending, and the number. `None` where it has no number.
 pub(in crate::read) fn numbered(path: &Path) -> Option<(String, String, u64)> {
     let name = path.file_name()?.to_str()?;
     let endings = [".mcap.zstd", ".db3.zstd", ".mcap", ".db3", ".bag"];

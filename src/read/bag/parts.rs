@@ -1,6 +1,6 @@
 //! Several files that are one recording, read in order.
 //!
-//! Owns the shares of the files in what is wanted, the running numbers of channels across files, and that every problem
+//! Owns the share of each file in the sample, the running numbers of channels across files, and that every problem
 //! names its file. Must not decide which files belong together.
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ const MAX_COUNTED: usize = 10_000;
 /// Bound on the problems that are kept of one recording.
 const MAX_PROBLEMS: usize = 1000;
 
-/// What was met in the files together.
+/// What was found in all files together.
 #[derive(Debug, Default)]
 pub(super) struct Outcome {
     /// How far the recording was read.
@@ -103,7 +103,7 @@ fn is_gap(last: &Path, file: &Path) -> bool {
     numbers.is_some_and(|((.., last), (.., number))| number > last + 1)
 }
 
-/// The name of a file as problems say it.
+/// The name of a file as used in problems.
 pub(super) fn name(file: &Path) -> String {
     file.file_name().map_or_else(
         || file.display().to_string(),
@@ -111,7 +111,7 @@ pub(super) fn name(file: &Path) -> String {
     )
 }
 
-/// The part of a sampling that falls to a file of this size, behind others.
+/// The part of a sampling for a file of this size, after others.
 fn share(sampling: &Sampling, before: u64, size: u64, total: u64) -> Sampling {
     let portion_of = |whole: u64, size: u64| {
         let share = u128::from(whole) * u128::from(size) / u128::from(total.max(1));
@@ -199,17 +199,17 @@ impl Outcome {
     }
 }
 
-/// Hands on what several files hold as if it were one.
+/// Passes on the content of several files like that of a single one.
 struct Joined<'v> {
     visit: &'v mut dyn Visit,
     several: bool,
-    /// Channels of this file, as they are handed on.
+    /// Channels of this file, as they are passed on.
     channels: Vec<Channel>,
-    /// Channels expressed in the files before.
+    /// Channels announced in the files before.
     told: usize,
-    /// Whether messages were left out before the next one.
+    /// Whether messages were skipped before the next one.
     seam: bool,
-    /// Totals of the metadata by topic; `None` once told: they are those of the whole recording.
+    /// Totals of the metadata by topic; `None` once passed on: they are those of the whole recording.
     totals: BTreeMap<String, Option<u64>>,
     outcome: Outcome,
 }

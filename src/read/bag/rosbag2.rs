@@ -1,6 +1,6 @@
 //! rosbag2 folders: `metadata.yaml` and the files that it names, as one recording.
 //!
-//! Owns finding the files, and the words where the metadata says other than they do. Must not know their formats.
+//! Owns finding the files, and the messages where the metadata contradicts them. Must not know their formats.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -16,12 +16,12 @@ use super::{Extent, NOTHING, Task, numbered};
 /// How much the metadata's times may differ from those of the messages, nanoseconds. Recorders note the time of arrival
 /// and of writing.
 const MAX_TIME_DIFFERENCE_NS: u64 = 1_000_000_000;
-/// The last version of the metadata that is known.
+/// The newest version of the metadata that is supported.
 const LAST_VERSION: u64 = 9;
 /// Topics that are named where counts differ.
 const MAX_NAMED: usize = 3;
 
-/// Files of a recording as far as they are there, and those that are missing.
+/// Files of a recording: those that exist, and those that are missing.
 struct Files {
     present: Vec<PathBuf>,
     missing: Vec<(String, Span)>,
@@ -52,9 +52,9 @@ pub(super) fn read(path: &Path, mut task: Task<'_>) -> Extent {
     }
     if files.present.is_empty() {
         let message = if files.missing.is_empty() {
-            "the folder holds no recording"
+            "the folder contains no recording"
         } else {
-            "none of the files that `metadata.yaml` names is there"
+            "none of the files that `metadata.yaml` lists exists"
         };
         source.problem(ReadStatus::Unreadable, Place::whole(source.id), message);
         return NOTHING;
@@ -79,7 +79,7 @@ pub(super) fn read(path: &Path, mut task: Task<'_>) -> Extent {
     }
 }
 
-/// The files that the recording of a `metadata.yaml` (or a folder) consists of, as far as they are there.
+/// The files that the recording of a `metadata.yaml` (or a folder) consists of, as far as they exist.
 pub(in crate::read) fn files_of(path: &Path) -> Vec<PathBuf> {
     let folder = folder(path);
     let metadata = Metadata::read(&folder.join(metadata::NAME)).ok().flatten();
@@ -141,7 +141,7 @@ fn resolve(folder: &Path, metadata: &Metadata) -> Files {
     files
 }
 
-/// The recordings in a folder whose metadata name none: those of one name, in the order of their numbers.
+/// The recordings in a folder whose metadata lists none: those of one name, in the order of their numbers.
 fn by_name(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
@@ -174,7 +174,7 @@ fn by_name(folder: &Path) -> Vec<PathBuf> {
     others
 }
 
-/// Says what is wrong with the metadata by itself and beside the folder.
+/// Reports what is wrong with the metadata, by itself and compared with the folder.
 fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source) {
     let id = source.id;
     let at = |span: Span| Place::text(id, span);
@@ -188,26 +188,27 @@ fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source
     }
     let format = metadata.compression_format.as_ref();
     if let Some((format, span)) = format.filter(|(format, _)| !matches!(format.as_str(), "" | "zstd")) {
-        let message = format!("the recording is compressed with `{format}`; only zstd is known");
+        let message = format!("the recording is compressed with `{format}`; only zstd is supported");
         source.problem(ReadStatus::Read, at(*span), message);
     }
     if let Some((version, span)) = metadata.version.filter(|(version, _)| *version > LAST_VERSION) {
-        let message = format!("version {version} of the metadata is newer than the last one known ({LAST_VERSION})");
+        let message =
+            format!("version {version} of the metadata is newer than the newest supported one ({LAST_VERSION})");
         source.problem(ReadStatus::Read, at(span), message);
     }
     for (name, span) in &files.missing {
         source.problem_with_help(
             ReadStatus::Partial,
             at(*span),
-            format!("the recording names `{name}`, which is not there"),
-            Some("copy it into the folder; `ros2 bag reindex` rewrites the metadata without it".to_owned()),
+            format!("`metadata.yaml` lists `{name}`, which does not exist"),
+            Some("copy it into the folder, or run `ros2 bag reindex` to rewrite the metadata without it".to_owned()),
         );
     }
     for (name, span) in &files.repeated {
         source.problem(
             ReadStatus::Read,
             at(*span),
-            format!("`{name}` is named twice; it was read once"),
+            format!("`{name}` is listed twice; it was read once"),
         );
     }
     if let Some((storage, span)) = &metadata.storage {
@@ -233,19 +234,19 @@ fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source
     unnamed.sort();
     if let Some((_, span)) = metadata.files.last().filter(|_| !unnamed.is_empty()) {
         let message = format!(
-            "`{}` lies beside the files that are named here, and was not read with them",
+            "`{}` is in the folder but not listed here; it was not read",
             unnamed.join("`, `")
         );
-        let help = "`ros2 bag reindex` writes the metadata again";
+        let help = "run `ros2 bag reindex` to rewrite the metadata";
         source.problem_with_help(ReadStatus::Read, at(*span), message, Some(help.to_owned()));
     }
 }
 
-/// What a file is, where that is another kind of storage than the metadata says.
+/// What a file is, if its kind of storage contradicts the metadata.
 fn contradicts(storage: &str, file: &Path) -> Option<(String, &'static str)> {
     let (opened, _) = super::open(file).ok()?;
     let is = match Container::of(&super::first_bytes(&opened)) {
-        Container::Mcap if storage == "sqlite3" => "an MCAP",
+        Container::Mcap if storage == "sqlite3" => "an MCAP file",
         Container::Sqlite if storage == "mcap" => "an SQLite database",
         Container::Rosbag1 => "a ROS 1 bag",
         _ => return None,
@@ -253,21 +254,22 @@ fn contradicts(storage: &str, file: &Path) -> Option<(String, &'static str)> {
     Some((parts::name(file), is))
 }
 
-/// Says where the metadata differs from what the files hold, all of which was read.
+/// Reports where the metadata differs from the content of the files, which were read completely.
 fn after(metadata: &Metadata, outcome: &Outcome, source: &mut Source) {
     let id = source.id;
     let mut say = |status, span, message: String| source.problem(status, Place::text(id, span), message);
     for (name, said) in &metadata.topics {
         let Some((is, _)) = outcome.topics.get(name) else {
             if said.messages.is_some_and(|(count, _)| count > 0) {
-                let message = format!("the metadata names `{name}` with messages, the files do not hold the topic");
+                let message =
+                    format!("the metadata lists messages on `{name}`, but the files do not contain this topic");
                 say(ReadStatus::Partial, said.name_at, message);
             }
             continue;
         };
         let differing = said.message_type.as_ref();
         if let Some((said, span)) = differing.filter(|(said, _)| !is.is_empty() && !said.is_empty() && said != is) {
-            let message = format!("the metadata gives `{name}` the type `{said}`, the files `{is}`");
+            let message = format!("`{name}` has type `{said}` in the metadata, but `{is}` in the files");
             say(ReadStatus::Read, *span, message);
         }
     }
@@ -281,7 +283,7 @@ fn after(metadata: &Metadata, outcome: &Outcome, source: &mut Source) {
             .take(MAX_NAMED)
             .map(|(name, said, read)| format!("`{name}`: {read} of {said}"))
             .collect();
-        let mut message = format!("the metadata counts {count} messages, the files hold {read}");
+        let mut message = format!("the metadata counts {count} messages, but the files hold {read}");
         if !differing.is_empty() {
             message = format!("{message} ({})", differing.join(", "));
         }
@@ -295,13 +297,14 @@ fn after(metadata: &Metadata, outcome: &Outcome, source: &mut Source) {
     let Some((first, last)) = outcome.log_ns else { return };
     if let Some((said, span)) = metadata.start_ns.filter(|(said, _)| differs(*said, first)) {
         let seconds = (said.saturating_sub(first)) as f64 / 1e9;
-        let message = format!("the metadata's start is {seconds:.3} s from the first message's time");
+        let message = format!("the start time in the metadata differs from the first message's time by {seconds:.3} s");
         say(ReadStatus::Read, span, message);
     }
     let length = last.saturating_sub(first);
     if let Some((said, span)) = metadata.duration_ns.filter(|(said, _)| differs(*said, length)) {
         let (said, is) = (said as f64 / 1e9, length as f64 / 1e9);
-        let message = format!("the metadata says {said:.3} s, the messages span {is:.3} s");
+        let message =
+            format!("the recording lasts {said:.3} s according to the metadata, but its messages span {is:.3} s");
         say(ReadStatus::Read, span, message);
     }
 }

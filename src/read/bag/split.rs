@@ -1,7 +1,7 @@
 //! Recordings that were split into several files, known by the files' names and times.
 //!
 //! `rosbag2` numbers its files `name_0.mcap`, `name_1.mcap`, ...; `rosbag record --split` writes the date of each file in
-//! front of the number. Separate drives are numbered just so: only files that continue each other in time are joined.
+//! front of the number. Separate drives are numbered in the same way: only files that continue each other in time are joined.
 //! Owns that decision. Must not read messages.
 
 use std::fs::File;
@@ -16,9 +16,9 @@ const MAX_GAP_NS: i64 = 5_000_000_000;
 /// How long before the end of a file the next one may begin, nanoseconds: messages of several threads reach the recorder
 /// slightly out of order.
 const MAX_OVERLAP_NS: i64 = 100_000_000;
-/// Bound on the records of a ROS 1 index that are looked at.
+/// Bound on the records of a ROS 1 index that are read.
 const MAX_RECORDS: usize = 2_000_000;
-/// Bound on the head of one of them, bytes.
+/// Bound on the header of one of them, bytes.
 const MAX_HEAD: u32 = 1 << 16;
 
 /// Reads the files of a split recording as one.
@@ -38,8 +38,8 @@ pub(super) fn read(files: &[PathBuf], mut task: Task<'_>) -> Extent {
 }
 
 /// Groups files by what belongs together: the same name, numbers that run from 0 or 1, times that continue each other.
-/// `files` are in one folder, have one name and one ending, and are sorted by number. A file that ends nobody knows where,
-/// as the last one does after a crash, ends its group.
+/// `files` are in one folder, have one name and one ending, and are sorted by number. A file with an unknown end time,
+/// as the last one has after a crash, ends its group.
 pub(in crate::read) fn runs(files: &[(u64, PathBuf)]) -> Vec<Vec<PathBuf>> {
     let from_the_start = files.first().is_some_and(|(number, _)| *number <= 1);
     let mut runs: Vec<Vec<PathBuf>> = Vec::new();
@@ -52,7 +52,7 @@ pub(in crate::read) fn runs(files: &[(u64, PathBuf)]) -> Vec<Vec<PathBuf>> {
                     let gap = start.saturating_sub(end);
                     (-MAX_OVERLAP_NS..=MAX_GAP_NS).contains(&gap)
                 }
-                // It was not closed: its place in the row is all there is.
+                // It was not closed: only its number is known.
                 Some(None) => true,
                 None => false,
             };
@@ -89,7 +89,7 @@ pub(super) fn rosbag1_span(file: &File, total: u64) -> Option<(i64, i64)> {
     span
 }
 
-/// The head of a record, and the number of bytes that follow it.
+/// The header of a record, and the number of bytes that follow it.
 fn record(input: &mut impl Read) -> Option<(Vec<u8>, u32)> {
     let mut length = [0; 4];
     input.read_exact(&mut length).ok()?;
@@ -103,7 +103,7 @@ fn record(input: &mut impl Read) -> Option<(Vec<u8>, u32)> {
     Some((bytes, u32::from_le_bytes(length)))
 }
 
-/// The value of a field in a record's head: each is a length and `name=value`.
+/// The value of a field in a record's header: each is a length and `name=value`.
 fn field<'a>(head: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
     let mut rest = head;
     loop {

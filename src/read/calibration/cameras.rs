@@ -1,6 +1,6 @@
-//! Intrinsics that files hold: of camera_info_manager, and messages sensor_msgs/CameraInfo that were written down.
+//! Intrinsics in files: those of camera_info_manager, and saved messages sensor_msgs/CameraInfo.
 //!
-//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp); CameraInfo.msg of ROS 1 and ROS 2. Must not know whether they fit a camera.
+//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp); CameraInfo.msg of ROS 1 and ROS 2. Must not know whether they match a camera.
 
 use crate::source::{Place, SourceId, Span};
 use crate::world::camera::{CameraFile, CameraModel};
@@ -46,7 +46,7 @@ const FORMS: [Form; 3] = [
     },
 ];
 
-/// The camera of a document. A matrix with another count of numbers is a fault of the file.
+/// The camera of a document. A matrix with a wrong number of values is a fault of the file.
 pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<CameraFile>, Vec<(Span, String)>) {
     let is_in = |form: &&Form| {
         let keys = [form.width, form.height, form.k, form.d];
@@ -60,7 +60,8 @@ pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<Came
     let miscounted = matrices.iter().filter_map(|(key, count)| {
         let node = root.get(key)?;
         let found = values(key)?.len();
-        (found != *count && found > 0).then(|| (node.span, format!("`{key}` holds {found} numbers; it has {count}")))
+        (found != *count && found > 0)
+            .then(|| (node.span, format!("`{key}` has {found} numbers; {count} are required")))
     });
     let faults: Vec<(Span, String)> = miscounted.collect();
     let pixels = |node: &Node, key: &str| node.get(key)?.text()?.trim().parse().ok();
@@ -78,7 +79,7 @@ pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<Came
                 model: words(root.get("distortion_model")).unwrap_or_default(),
                 d: values(form.d).unwrap_or_default(),
                 k: values(form.k)?.try_into().ok()?,
-                // All zeros is what was not filled in.
+                // All zeros: not filled in.
                 r: values(form.r).and_then(|r| r.try_into().ok()).unwrap_or_default(),
                 p: values(form.p).and_then(|p| p.try_into().ok()).unwrap_or_default(),
                 binning: ["binning_x", "binning_y"].map(|key| pixels(root, key).unwrap_or_default()),

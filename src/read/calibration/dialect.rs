@@ -1,7 +1,7 @@
-//! Dialects: what a known format says beyond its words.
+//! Dialects: what a known format means beyond its keys.
 //!
-//! Owns how a file is recognised by its keys, and which row of the table speaks of a value. The table (`rules/tables/
-//! calibration-dialects.yaml`) knows the formats; adding one is a row there. Autoware's is known by its nesting, and a branch in `generic`.
+//! Owns how a file is recognised by its keys, and which row of the table describes a value. The table (`rules/tables/
+//! calibration-dialects.yaml`) knows the formats; a new one needs only a row there. Autoware's is recognised by its nesting, in `generic`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound;
@@ -14,12 +14,12 @@ use super::document::{Kind, Node};
 
 /// Values under one path that are kept for marks such as `T_type=0`.
 const MAX_VALUES: usize = 4;
-/// Longer texts are no such value.
+/// Longer texts are not such values.
 const MAX_VALUE: usize = 32;
-/// Different paths that are looked at; files of records repeat the same ones.
+/// Different paths that are read; files of records repeat the same ones.
 const MAX_PATHS: usize = 4096;
 
-/// Units and order of what stands under a key.
+/// Units and order of the numbers under a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Terms {
     /// Metres of one unit of length.
@@ -30,14 +30,14 @@ pub(super) struct Terms {
     pub(super) xyzw: Option<bool>,
     /// The list holds one 4x4 for each sensor, and the bottom rows carry flags: only their upper 3x4 are transforms.
     pub(super) packed: bool,
-    /// What says so.
+    /// Where they come from.
     pub(super) by: By,
 }
 
-/// What makes the terms of a value known.
+/// Why the units and order of a value are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum By {
-    /// Nothing: they are the usual ones.
+    /// They are not known; the usual ones are assumed.
     Nothing,
     /// A row of the table.
     Row,
@@ -45,7 +45,7 @@ pub(super) enum By {
     Nesting,
 }
 
-/// Plain words, metres, radians.
+/// Unknown format: metres, radians.
 pub(super) const GENERIC: Terms = Terms {
     metres: 1.0,
     degrees: false,
@@ -80,15 +80,15 @@ impl Terms {
     }
 }
 
-/// What the table says of one value.
+/// What the table says about one value.
 #[derive(Clone, Debug)]
 pub(super) struct Said<'r> {
     pub(super) keyed: &'r Keyed,
-    /// What in its path the key leaves open.
+    /// The parts of its path that the key leaves open.
     found: Found,
 }
 
-/// What stands for `#` and `*` of a key.
+/// The values of `#` and `*` of a key.
 #[derive(Clone, Debug, Default)]
 struct Found {
     numbers: Vec<u32>,
@@ -100,7 +100,7 @@ impl Said<'_> {
         Terms::of(self.keyed)
     }
 
-    /// The two frames, `(target, source)`, with `sibling` for the texts beside it.
+    /// The two frames, `(target, source)`, with `sibling` for the texts next to it.
     pub(super) fn frames(&self, sibling: impl Fn(&str) -> Option<String>) -> Option<(String, String)> {
         let (target, source) = self.keyed.is.as_ref()?.split_once(" from ")?;
         let frame = |word: &str| match word.strip_prefix('@') {
@@ -109,11 +109,11 @@ impl Said<'_> {
             None => self.numbered(word),
         };
         let frames = (frame(target)?, frame(source)?);
-        // KITTI tells camera 0 against itself.
+        // KITTI also lists camera 0 relative to itself.
         (frames.0 != frames.1).then_some(frames)
     }
 
-    /// Whether the row names this very key.
+    /// Whether the row names exactly this key.
     pub(super) fn names(&self, key: &str) -> bool {
         let keys = self.keyed.keys.iter();
         keys.filter_map(|known| known.rsplit('/').next())
@@ -154,7 +154,7 @@ pub(super) fn reading(dialect: &Dialect, keyed: &Keyed) -> Confidence {
     }
 }
 
-/// What the row says of the value with this label.
+/// What the row says about the value with this label.
 pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
     let by = |path: &[&str]| {
         dialect.transforms.iter().find_map(|keyed| {
@@ -167,7 +167,7 @@ pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
     by(&slashes).or_else(|| by(&label.split(['/', '.']).collect::<Vec<_>>()))
 }
 
-/// What stands for `#` and `*` where a path ends in a key; `None` where it does not.
+/// The values of `#` and `*` if a path ends in a key; `None` if it does not.
 fn matched(key: &str, path: &[&str]) -> Option<Found> {
     let pattern: Vec<&str> = key.split('/').collect();
     let tail = path.get(path.len().checked_sub(pattern.len())?..)?;
@@ -246,7 +246,7 @@ impl Paths {
 
     fn add(&mut self, path: &[String], value: &Node) {
         self.insert(path.iter().rev().cloned().collect(), value);
-        // `a.b.c`, as parameters of ROS 2 are written, is known by its parts as well.
+        // `a.b.c`, as parameters of ROS 2 are written, is recognised by its parts as well.
         if path.iter().any(|part| part.contains('.')) {
             let parts = path.iter().rev().flat_map(|part| part.rsplit('.'));
             self.insert(parts.map(str::to_owned).collect(), value);
@@ -265,7 +265,7 @@ impl Paths {
         }
     }
 
-    /// Whether a line of marks fits: all its keys are there, and none behind a `!`.
+    /// Whether a line of marks matches: all its keys exist, and none of those after a `!`.
     fn have(&self, mark: &str) -> bool {
         mark.split('&').map(str::trim).all(|part| match part.strip_prefix('!') {
             Some(absent) => !self.has(absent),

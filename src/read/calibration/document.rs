@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::source::Span;
 
-/// A value of a document and where it stands.
+/// A value of a document and its place.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Node {
     /// From the first to the last byte of the value in the source's text.
@@ -16,13 +16,13 @@ pub(crate) struct Node {
     pub(crate) kind: Kind,
     /// Its explicit tag without the namespace (`opencv-matrix`).
     pub(crate) tag: Option<Box<str>>,
-    /// Whether a fault cut it off: what it holds is true, but not all of it.
+    /// Whether a fault cut it off: what it contains is right, but incomplete.
     pub(crate) cut: bool,
-    /// Of a large mapping: where its keys stand.
+    /// Of a large mapping: where its keys are.
     keys: Keys,
 }
 
-/// The last pair of each key of a mapping; made when a key is first asked for. No part of what the node is.
+/// The last pair of each key of a mapping; made at the first look-up of a key. Not part of the node's value.
 #[derive(Clone, Debug, Default)]
 struct Keys(OnceLock<Arc<HashMap<Box<str>, usize>>>);
 
@@ -32,7 +32,7 @@ impl PartialEq for Keys {
     }
 }
 
-/// Pairs of a mapping from which on keys are looked up in an index: readers ask for dozens of keys, some once for each pair.
+/// Pairs of a mapping from which on keys are looked up in an index: readers look up dozens of keys, some once for each pair.
 const MANY_PAIRS: usize = 32;
 
 /// What a node is.
@@ -71,7 +71,7 @@ impl Node {
         }
     }
 
-    /// Where the letters of a scalar begin in the source's text, behind its quote. `None` where escapes or folded lines move them.
+    /// Where the letters of a scalar begin in the source's text, after its quote. `None` where escapes or folded lines move them.
     pub(crate) fn text_start(&self, source: &str) -> Option<usize> {
         let text = self.text()?;
         (self.span.start..=self.span.start + 1).find(|start| source.get(*start..*start + text.len()) == Some(text))
@@ -159,7 +159,7 @@ pub(crate) struct Fault {
 pub(crate) struct Documents {
     /// The root of each document.
     pub(crate) roots: Vec<Node>,
-    /// Keys that stand twice in one mapping, with the place of the later one.
+    /// Keys that occur twice in one mapping, with the place of the later one.
     pub(crate) repeated: Vec<(String, Span)>,
     /// Braces of a template engine (`{{ name }}`).
     pub(crate) templates: Vec<Span>,

@@ -1,7 +1,7 @@
 //! From the YAML parser's events to documents, within bounds.
 //!
-//! Aliases are expanded up to a cap, nesting is limited (through aliases as well), and a fault ends reading with what
-//! stood before it. Knows nothing of transforms.
+//! Aliases are expanded up to a cap, nesting is limited (through aliases as well), and a fault ends reading; everything
+//! before it is kept. Knows nothing of transforms.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,10 +20,10 @@ const MAX_NODES: usize = 1_000_000;
 const MAX_DEPTH: usize = 200;
 
 /// How far the parser looks for the colon that would make a `{` or `[` a key, in characters: YAML's own limit, and a
-/// short one. Within the first, a fault hides all that stands before it.
+/// short one. With the first, a fault hides everything before it.
 const LOOKAHEADS: [usize; 2] = [1024, 64];
 
-/// Reads all documents of `text`; spans are taken back to the source's text by `map`.
+/// Reads all documents of `text`; `map` converts spans to the source's text.
 pub(crate) fn build(text: &str, map: &OffsetMap) -> Documents {
     let [long, short] = LOOKAHEADS;
     let documents = build_with(text, map, long);
@@ -84,7 +84,7 @@ struct Builder<'a> {
     anchors: BTreeMap<usize, Anchored>,
     nodes: usize,
     aliased: usize,
-    /// Nodes kept under anchors. Anchors inside of anchors hold the same values again.
+    /// Nodes kept under anchors. Anchors inside of anchors contain the same values again.
     anchored: usize,
     out: Documents,
 }
@@ -145,12 +145,12 @@ impl<'a> Builder<'a> {
                 let anchored = self
                     .anchors
                     .get(&id)
-                    .ok_or_else(|| fault("this alias refers to a value that it stands in".to_owned()))?;
+                    .ok_or_else(|| fault("this alias refers to a value that contains it".to_owned()))?;
                 self.aliased += anchored.size;
                 let Some(node) = anchored.node.clone().filter(|_| self.aliased <= MAX_ALIASED) else {
                     return Err(fault(format!("aliases expand to more than {MAX_ALIASED} values")));
                 };
-                // Nesting stays bounded through aliases as well: what walks a document may recurse.
+                // Nesting stays bounded through aliases as well: readers of a document may recurse.
                 if self.open.len() + anchored.depth > MAX_DEPTH {
                     return Err(fault(format!("values are nested more than {MAX_DEPTH} levels deep")));
                 }
@@ -167,7 +167,7 @@ impl<'a> Builder<'a> {
         if self.nodes > MAX_NODES {
             return Err(Fault {
                 at: span.start,
-                message: format!("the file holds more than {MAX_NODES} values; it is read up to here"),
+                message: format!("the file contains more than {MAX_NODES} values; it is read up to here"),
             });
         }
         Ok(())
@@ -195,7 +195,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Closes the innermost collection. In block style the end is where its last item ends; the event itself stands at
+    /// Closes the innermost collection. In block style the end is where its last item ends; the event itself is at
     /// the next token.
     fn end(&mut self, at: Span) {
         let Some(mut open) = self.open.pop() else { return };
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Closes everything that is open after a fault. What is not whole is marked, and a list that is not whole is
+    /// Closes everything that is open after a fault. Incomplete values are marked, and an incomplete list is
     /// dropped with its numbers: nine numbers of sixteen are not a rotation.
     fn cut_off(&mut self) {
         while let Some(mut open) = self.open.pop() {
@@ -288,7 +288,7 @@ fn measure(node: &Node) -> (usize, usize) {
     (count, deepest)
 }
 
-/// Merge keys (`<<: *base`): pairs of the base that the mapping does not hold itself.
+/// Merge keys (`<<: *base`): pairs of the base that the mapping does not contain itself.
 fn merge(pairs: &mut Vec<(Node, Node)>) {
     let Some(at) = pairs
         .iter()
@@ -325,16 +325,16 @@ fn tag_name(tag: Option<&Tag>) -> Option<Box<str>> {
     tag.map(|tag| tag.suffix().trim_start_matches('!').into())
 }
 
-/// A parser's complaint in plain words.
+/// A parser's error in plain words.
 fn plain(error: &ScanError) -> String {
     match error.kind() {
         ErrorKind::RecursionLimitExceeded => format!("values are nested more than {MAX_DEPTH} levels deep"),
         ErrorKind::TabNotAllowed | ErrorKind::TabInBlockIndentation | ErrorKind::TabInIndentation => {
-            "a tab stands where only spaces are allowed".to_owned()
+            "there is a tab where only spaces are allowed".to_owned()
         }
         ErrorKind::UnknownAnchor => "this alias refers to no anchor above it".to_owned(),
         ErrorKind::SimpleKeyExpected | ErrorKind::InvalidSimpleKey => {
-            "this line is no `key: value` (is the space after the colon missing?)".to_owned()
+            "this line is not `key: value` (is the space after the colon missing?)".to_owned()
         }
         ErrorKind::UnclosedFlowCollection { open } => format!("`{open}` is never closed"),
         ErrorKind::UnexpectedEofFlowSequence => "the file ends inside `[ ... ]`".to_owned(),

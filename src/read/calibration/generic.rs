@@ -1,4 +1,4 @@
-//! The generic reading: transforms under any key, recognised by what the key says or by what the numbers are.
+//! The generic reading: transforms under any key, recognised by the key or by the numbers.
 //!
 //! Owns which values become claims. Recognition is never by count alone: sixteen numbers are a transform if the key says
 //! so, or if they are one within a wide margin.
@@ -69,7 +69,7 @@ pub(super) fn channels(root: &Node) -> Vec<(FrameId, FrameId)> {
 }
 
 /// Whether a list holds poses, each with a time of its own or, as for radiance fields (`transforms.json`), with an image of its own; or records
-/// of nuScenes that are of no sensor: its `ego_pose.json`, also with one pose, and its `sample_annotation.json`.
+/// of nuScenes that describe no sensor: its `ego_pose.json`, also with one pose, and its `sample_annotation.json`.
 pub(super) fn is_over_time(items: &[Node]) -> bool {
     let time = |item: &Node| {
         let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time", "file_path"];
@@ -129,13 +129,13 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
         }
     } else if let (true, Numbers::Misfit(why)) = (strong, found) {
         walk.problems
-            .push((node.span, format!("`{label}` is no matrix: {why}")));
+            .push((node.span, format!("`{label}` is not a matrix: {why}")));
     } else {
         miscounted(node, found.literals().len(), &label, walk);
     }
 }
 
-/// A transform with a number too few or too many must not pass in silence.
+/// A transform with a number too few or too many must be reported.
 fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
     let named = walk.any_key(|key| transform_name::parse(key).is_some_and(|name| name.part == NamePart::Whole));
     let rotation = walk.any_key(|key| {
@@ -153,7 +153,7 @@ fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
             "a rotation has 9, a transform 7, 12 or 16"
         };
         walk.problems
-            .push((node.span, format!("`{label}` holds {count} numbers; {meant}")));
+            .push((node.span, format!("`{label}` has {count} numbers; {meant}")));
     }
 }
 
@@ -221,7 +221,7 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     }
 }
 
-/// Scalars side by side whose keys begin alike: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`; or the half of a transform, `qCM_x`, ..., `qCM_w`.
+/// Scalars side by side whose keys have the same beginning: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`; or the half of a transform, `qCM_x`, ..., `qCM_w`.
 fn prefixed<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     for (key, _) in node.pairs() {
         let Some(text) = key.text() else { continue };
@@ -229,7 +229,7 @@ fn prefixed<'a>(node: &'a Node, walk: &mut Walk<'a>) {
             let terms = (!names::is_never(stem)).then(|| walk.terms(stem))?;
             Some((stem, terms, shapes::prefixed_pose(stem, node, terms)?))
         };
-        // Halves are known by the table alone: `_x`, `_y` and `_z` stand behind many words.
+        // Halves are recognised by the table alone: many keys end in `_x`, `_y` and `_z`.
         let half = |stem| {
             let terms = walk.named_key(stem)?.terms();
             Some((stem, terms, shapes::prefixed_half(stem, node, terms)?))
@@ -310,7 +310,7 @@ struct Pair<'a> {
     rotations: Vec<(&'a Node, Rotation, Span)>,
 }
 
-/// Translations and rotations that stand side by side: `extrinsic_T` and `extrinsic_R`, `translation` and `rotation`.
+/// Translations and rotations side by side: `extrinsic_T` and `extrinsic_R`, `translation` and `rotation`.
 fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize>) {
     let mut pairs: Vec<Pair<'a>> = Vec::new();
     for (index, (key, child)) in node.pairs().iter().enumerate() {
@@ -384,7 +384,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     let named_of = |key: &Node, rotation: Option<&Rotation>, walk: &Walk<'a>| {
         let named = walk.named_inside(key).or_else(|| walk.named());
         named.or_else(|| match rotation {
-            // Of a matrix nothing tells the direction.
+            // The direction of a matrix is unknown.
             Some(Rotation::Matrix(_)) => None,
             Some(Rotation::Rpy { .. }) => walk.mounted(),
             _ => walk.mounted().filter(|named| !named.is_role),

@@ -1,6 +1,6 @@
-//! What looks like a transform or a part of one, and was taken for none: said in reports, so that nothing is passed over in silence.
+//! What looks like a transform or a part of one and was not read: listed in reports, so that nothing is ignored silently.
 //!
-//! Owns what looks so. Covariances, gains, intrinsics, lists of points and tracks do not.
+//! Owns the criteria. Covariances, gains, intrinsics, lists of points and tracks do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ use super::numbers::{self, Numbers};
 pub(super) struct Leftover {
     /// The keys from the root to it, joined by `/`.
     pub(super) label: String,
-    /// Where it stands, its key included.
+    /// Its place, including its key.
     pub(super) span: Span,
     /// Whether it looks like a whole transform, and not like half of one.
     pub(super) is_whole: bool,
@@ -32,7 +32,7 @@ const MOUNTED: &[&str] = &[
     "mount", "mounts", "mounting", "mountings", "mounted", "lever", "lidar", "laser", "camera", "cam", "imu", "gnss", "gps",
     "radar", "velodyne", "sensor", "sensors",
 ];
-/// Words of values that have three or four numbers and place nothing. What stands below such a key is no mounting either.
+/// Words of values that have three or four numbers and describe no mounting. Values below such a key are not mountings either.
 #[rustfmt::skip]
 const OTHER: &[&str] = &[
     "pid", "kp", "ki", "kd", "goal", "target", "home", "dock", "initial", "init", "start", "waypoint", "waypoints", "path", "route",
@@ -42,7 +42,7 @@ const OTHER: &[&str] = &[
     "viewpoint", "viewer", "rviz", "spawn", "kinematics", "dh", "damping", "stiffness", "offsets",
 ];
 
-/// What no claim has a number of, and no problem speaks of, in the order of the text.
+/// Values of which no claim has a number and no problem is reported, in the order of the text.
 pub(super) fn collect(roots: &[Node], text: &str, claims: &[Claim], problems: &[Span]) -> Vec<Leftover> {
     let literals = claims
         .iter()
@@ -142,13 +142,13 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// Whether a claim has a number of this.
+    /// Whether a claim contains a number of this value.
     fn has_known(&self, node: &Node) -> bool {
-        // A literal begins behind the quote of its text.
+        // A literal begins after the quote of its text.
         self.known.range(node.span.start..=node.span.end).next().is_some()
     }
 
-    /// Whether a key on the way speaks of a transform, or of a mounting.
+    /// Whether a key on the path means a transform, or a mounting.
     fn speaks(&self) -> bool {
         let mut keys = self.path.iter().filter_map(|part| match part {
             Part::Key(key) => Some(*key),
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         keys.any(|key| names::is_transform(key) || has(key, MOUNTED))
     }
 
-    /// Numbers that are a transform by what they are, or by their count under a key that speaks of one.
+    /// Numbers that are a transform by their values, or by their count under a key that means one.
     fn is_transform(&self, found: &Numbers) -> bool {
         let key = match self.path.iter().rev().find(|part| matches!(part, Part::Key(_))) {
             Some(Part::Key(key)) => *key,
@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
         let is_place = |(_, half): &(usize, Half)| *half == Half::Translation;
         let is_pair = halves.iter().any(is_place) && !halves.iter().all(is_place);
         let is_listed = matches!(self.path.last(), Some(Part::Index(_)));
-        // Half a transform alone is anything, unless what is around it speaks of mountings.
+        // Half a transform alone can be anything, unless the keys around it mean mountings.
         if is_pair && !is_listed || self.speaks() {
             halves.into_iter().map(|(index, _)| index).collect()
         } else {
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The first key of a place and a heading that are numbers of a mapping, each under a key of its own, in words that are not read.
+    /// The first key of a place and a heading that are numbers of a mapping, each under a key of its own, with names that are not read.
     fn pose_key(&self, node: &'a Node) -> Option<(&'a Node, &'a Node)> {
         let is_number = |value: &Node| numbers::literal(value).is_some_and(|literal| literal.value.is_finite());
         let pairs = node.pairs().iter().filter(|(_, value)| is_number(value));

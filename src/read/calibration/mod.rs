@@ -1,8 +1,8 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
-//! Owns the two entry points and the words on how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` spells, `origins`, `ouster` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats,
-//! `leftovers` finds what was taken for nothing.
+//! Owns the two entry points and the messages about how a file could be read. `repair`, `events` and `document` turn text into nodes,
+//! `names` and `numbers` recognise, `shapes` knows spellings, `origins`, `ouster` and `references` find what they are named after, `walk` and `generic` make claims, `dialect` knows formats,
+//! `leftovers` finds what was not read.
 
 mod cameras;
 mod dialect;
@@ -90,7 +90,7 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
         let Some(form) = form else {
             return (Documents::default(), Vec::new());
         };
-        // A mark of the byte order moves the places.
+        // A byte order mark moves the places.
         let mut documents = plain::build(form, text, &stem);
         if base > 0 {
             documents.shift(base);
@@ -99,13 +99,13 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
     });
     if form == Some(plain::Form::States) {
         let line = source.text.lines().next().map_or(0, str::len);
-        let says = "states of OpenVINS hold JPL's q_GtoI, whose numbers are Hamilton's of q_ItoG";
+        let says = "OpenVINS states contain JPL's q_GtoI, whose numbers are those of Hamilton's q_ItoG";
         facts
             .jpl
             .push(Placed::new(says.to_owned(), Place::text(source.id, 0..line)));
     }
     if form.is_some_and(plain::Form::is_over_time) && source.problems.is_empty() {
-        source.detail = Some("poses over time: no transform of the platform".to_owned());
+        source.detail = Some("poses over time (a trajectory), no mounting transforms".to_owned());
     }
     facts
 }
@@ -178,13 +178,13 @@ fn read_text(
     facts
 }
 
-/// Says what looks like transforms and was taken for none. A file that holds nothing else was not read.
+/// Reports what looks like transforms but was not read. A file that contains nothing else counts as not read.
 fn not_understood(source: &mut Source, leftovers: &[Leftover], facts: &Facts) {
     let place = |span: Span| Place::text(source.id, span);
     let whole = leftovers.iter().find(|leftover| leftover.is_whole);
     let problem = whole.filter(|_| facts.words().is_none()).map(|first| {
         let message = format!(
-            "holds transforms in a form that is not known: nothing of it was read, and `{}` was not",
+            "contains transforms in an unknown form and was not read; the first is `{}`",
             first.label
         );
         (place(first.span), message)
@@ -197,7 +197,7 @@ fn not_understood(source: &mut Source, leftovers: &[Leftover], facts: &Facts) {
     }
 }
 
-/// Why a text is not looked at at all.
+/// Why a text is not read at all.
 fn refused(text: &str) -> Option<String> {
     if text.len() > MAX_BYTES {
         let megabytes = text.len() / (1024 * 1024);
@@ -205,11 +205,11 @@ fn refused(text: &str) -> Option<String> {
     }
     let nul = text.find('\0')?;
     Some(format!(
-        "the file holds binary data, not text: a NUL character at byte {nul}"
+        "the file contains binary data, not text: a NUL character at byte {nul}"
     ))
 }
 
-/// Records the fault that ended reading, or the templates that stand in for values.
+/// Records the fault that ended reading, or the templates in place of values.
 fn report(source: &mut Source, text: &str, documents: &Documents, facts: &Facts) {
     let some = documents
         .roots
@@ -226,7 +226,7 @@ fn report(source: &mut Source, text: &str, documents: &Documents, facts: &Facts)
             status,
             Place::text(source.id, at..at + 2),
             "the file is a template: its values are filled in by another program",
-            Some("check the file that the template makes".to_owned()),
+            Some("check the file that is generated from it".to_owned()),
         );
     } else if let Some(Fault { at, message }) = &documents.fault {
         let end = text
@@ -256,7 +256,7 @@ fn template(text: &str) -> Option<usize> {
     None
 }
 
-/// The line of words on a source: what was found, what was fixed, what stands twice.
+/// The one-line summary of a source: what was found, what was repaired, which keys are repeated.
 fn describe(
     source: &mut Source,
     text: &str,
@@ -267,15 +267,15 @@ fn describe(
 ) {
     let mut notes: Vec<String> = dialect.map(|dialect| dialect.says.clone()).into_iter().collect();
     if !facts.ousters.is_empty() && facts.claims.is_empty() {
-        notes.push("metadata of an Ouster, and no transforms".to_owned());
+        notes.push("Ouster metadata, no transforms".to_owned());
     } else if !facts.origins.is_empty() && facts.claims.is_empty() {
-        notes.push("an origin on the Earth, and no transforms".to_owned());
+        notes.push("an origin on the Earth, no transforms".to_owned());
     } else if !facts.projections.is_empty() && facts.claims.is_empty() {
-        notes.push("a projection, and no transforms".to_owned());
+        notes.push("a projection, no transforms".to_owned());
     } else if !facts.channels.is_empty() && facts.claims.is_empty() {
-        notes.push("names of sensors, and no transforms".to_owned());
+        notes.push("names of sensors, no transforms".to_owned());
     } else if facts.claims.is_empty() && documents.roots.iter().any(generic::has_track) {
-        notes.push("poses over time: no transform of the platform".to_owned());
+        notes.push("poses over time (a trajectory), no mounting transforms".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }
@@ -293,7 +293,7 @@ fn describe(
             0 => String::new(),
             n => format!(" (and {n} more)"),
         };
-        notes.push(format!("the key `{key}` stands twice, again in line {line}{more}"));
+        notes.push(format!("the key `{key}` is repeated in line {line}{more}"));
     }
     if source.detail.is_none() && !notes.is_empty() {
         source.detail = Some(notes.join("; "));

@@ -1,6 +1,6 @@
-//! What keys say: which are transforms, which never are, which are one half of a pair, and what units they name.
+//! What keys mean: which are transforms, which never are, which are one half of a pair, and what units they name.
 //!
-//! Knows words only. Keys are looked at in words, never in substrings.
+//! Knows words only. Keys are compared by whole words, never by substrings.
 
 use crate::world::FrameId;
 use crate::world::transform_name;
@@ -18,7 +18,7 @@ fn has(key: &str, list: &[&str]) -> bool {
     words(key).iter().any(|word| list.contains(&word.as_str()))
 }
 
-/// Words of things that are no rigid transforms, however near their numbers are to one: camera and IMU intrinsics,
+/// Words of things that are not rigid transforms, even if their numbers are close to one: camera and IMU intrinsics,
 /// statistics, weights.
 #[rustfmt::skip]
 const NEVER: &[&str] = &[
@@ -28,13 +28,13 @@ const NEVER: &[&str] = &[
     "limits", "vel", "velocity", "acceleration", "gravity", "fundamental", "essential", "affine", "jacobian",
     "size", "bounds",
 ];
-/// Keys that are no rigid transforms, whole: calibration matrices of cameras and IMUs.
+/// Whole keys that are not rigid transforms: calibration matrices of cameras and IMUs.
 #[rustfmt::skip]
 const NEVER_WHOLE: &[&str] = &[
     "K", "P", "D", "Q", "H", "F", "E", "sm", "SM", "Ka", "Kg", "M_a", "M_g", "T_a", "T_g", "T_w", "Ta", "Tg",
     "Tw", "Tgs", "camera_matrix", "cameraMatrix",
 ];
-/// Poses that someone chose, not where something is mounted.
+/// Poses that were chosen, not mounting transforms.
 const CHOSEN: &[&str] = &["initial", "init", "start", "goal", "target", "home", "dock"];
 
 /// Whether a key names something that is never a rigid transform.
@@ -56,13 +56,13 @@ const TRANSFORM: &[&str] = &[
     "tf", "rectification", "rect", "pose", "se3", "orientation",
 ];
 
-/// Whether a key by itself says that its numbers are a transform or a part of one.
+/// Whether a key alone shows that its numbers are a transform or a part of one.
 pub(super) fn is_transform(key: &str) -> bool {
     let last = last_part(key);
     !is_never(key) && (matches!(last, "T" | "Tr") || has(key, TRANSFORM) || transform_name::parse(last).is_some())
 }
 
-/// Whether a key speaks of a rotation in any form.
+/// Whether a key means a rotation in any form.
 pub(super) fn is_rotation(key: &str) -> bool {
     has(
         key,
@@ -70,12 +70,12 @@ pub(super) fn is_rotation(key: &str) -> bool {
     )
 }
 
-/// Whether a key speaks of roll, pitch and yaw.
+/// Whether a key means roll, pitch and yaw.
 pub(super) fn is_angles(key: &str) -> bool {
     has(key, &["rpy", "euler"])
 }
 
-/// Keys that say "here is a transform" and nothing of its frames: these are looked for further up.
+/// Keys that mean "this is a transform" and name no frames: the frames are looked for further up.
 #[rustfmt::skip]
 const NEUTRAL: &[&str] = &[
     "transform", "transforms", "transformation", "pose", "extrinsic", "extrinsics", "matrix", "mat", "param",
@@ -83,7 +83,7 @@ const NEUTRAL: &[&str] = &[
     "origin",
 ];
 
-/// Whether a key says nothing of frames.
+/// Whether a key names no frames.
 pub(super) fn is_neutral(key: &str) -> bool {
     NEUTRAL.contains(&key)
 }
@@ -104,7 +104,7 @@ pub(super) fn is_carrier(key: &str) -> bool {
             .any(|word| CARRIERS.contains(&word.as_str()))
 }
 
-/// Whether the keys below a key are sensors, and what stands under them is where these are mounted.
+/// Whether the keys below a key are sensors, and the values under them mounting transforms.
 pub(super) fn is_mountings(key: &str) -> bool {
     has(
         key,
@@ -132,7 +132,7 @@ const KINDS: &[&[&str]] = &[
     &["imu", "ins"],
 ];
 
-/// How much speaks for two names to mean one frame: 3 for the same name, 2 for a word that they share, 1 for one kind, else nothing.
+/// How strongly two names indicate one frame: 3 for the same name, 2 for a word that they share, 1 for one kind, else 0.
 pub(super) fn alike(a: &str, b: &str) -> u8 {
     let tokens = |name: &str| -> Vec<String> {
         let tokens = FrameId::new(name).tokens().into_iter();
@@ -215,7 +215,7 @@ pub(super) fn half(key: &str) -> Option<(&str, Half)> {
     })
 }
 
-/// The key without what it says of units and order at its end.
+/// The key without its ending on units and order.
 fn without_units(key: &str) -> &str {
     let mut bare = key;
     while let Some((rest, "deg" | "degrees" | "degree" | "rad" | "radians" | "m" | "mm" | "xyzw" | "wxyz")) =
@@ -226,12 +226,12 @@ fn without_units(key: &str) -> &str {
     bare
 }
 
-/// Whether a key says that its angles are degrees.
+/// Whether a key states that its angles are degrees.
 pub(super) fn says_degrees(key: &str) -> bool {
     has(key, &["deg", "degree", "degrees"])
 }
 
-/// Whether a key says that its lengths are millimetres.
+/// Whether a key states that its lengths are millimetres.
 pub(super) fn says_millimetres(key: &str) -> bool {
     has(key, &["mm", "millimetres", "millimeters"])
 }

@@ -1,6 +1,6 @@
-//! Numbers of a document: literals with places, lists, matrices, and what shape and what rotation they make.
+//! Numbers of a document: literals with places, lists, matrices, and the shape and rotation that they form.
 //!
-//! Knows no keys: whether twelve numbers are meant as a transform is for `names` and `generic` to say.
+//! Knows no keys: whether twelve numbers are meant as a transform is decided by `names` and `generic`.
 
 use nalgebra::{Matrix3, UnitQuaternion};
 
@@ -10,12 +10,12 @@ use crate::world::{Literal, Pose};
 
 use super::document::{Kind, Node};
 
-/// Longest list that is looked at: nothing of interest is longer, and clouds of points are not copied.
+/// Longest list that is read: nothing of interest is longer, and clouds of points are not copied.
 const LONGEST: usize = 160;
 /// Distance from orthogonality (Frobenius norm of `RᵀR - I`) under which numbers are taken for a rotation by
 /// themselves. Rounding to one decimal stays below it; three arbitrary axes do not.
 const NEAR: f64 = 0.3;
-/// The same, under which a matrix makes a pose: beyond it, "the rotation nearest to it" says little.
+/// The same, under which a matrix is converted to a pose: beyond it, the nearest rotation means little.
 const POSE: f64 = 0.1;
 
 /// Numbers as they are arranged.
@@ -29,7 +29,7 @@ pub(super) enum Numbers {
         cols: usize,
         literals: Vec<Literal>,
     },
-    /// Meant as rows and columns, but the counts do not fit.
+    /// Meant as rows and columns, but the counts contradict each other.
     Misfit(String),
 }
 
@@ -91,7 +91,7 @@ fn list(items: &[Node]) -> Option<Numbers> {
         let cols = rows.first()?.len();
         if rows.iter().any(|row| row.len() != cols) {
             let counts: Vec<String> = rows.iter().map(|row| row.len().to_string()).collect();
-            return Some(Numbers::Misfit(format!("its rows hold {} numbers", counts.join(", "))));
+            return Some(Numbers::Misfit(format!("its rows have {} numbers", counts.join(", "))));
         }
         return Some(Numbers::Grid {
             rows: rows.len(),
@@ -119,7 +119,7 @@ fn declared(node: &Node, source: &str) -> Option<Numbers> {
         }
         Numbers::Misfit(why) => Some(Numbers::Misfit(why)),
         other => Some(Numbers::Misfit(format!(
-            "it declares {rows} rows of {cols}, but its data holds {} numbers",
+            "it declares {rows} rows of {cols}, but its data has {} numbers",
             other.literals().len()
         ))),
     }
@@ -135,7 +135,7 @@ fn scalars(items: &[Node]) -> Option<Vec<Literal>> {
     (literals.len() == items.len() && bad * 2 < literals.len()).then_some(literals)
 }
 
-/// A scalar as a literal; its value is NaN where the text is no number.
+/// A scalar as a literal; its value is NaN if the text is not a number.
 pub(super) fn literal(node: &Node) -> Option<Literal> {
     let Kind::Scalar { text, quoted } = &node.kind else {
         return None;
@@ -177,7 +177,7 @@ fn words(node: &Node, source: &str) -> Option<Vec<Literal>> {
     (literals.len() > 1 && literals.len() <= LONGEST).then_some(literals)
 }
 
-/// A number as YAML, JSON and the readers behind them spell it.
+/// A number in the spelling of YAML, JSON and their readers.
 pub(super) fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     match text.trim_start_matches(['+', '-']).to_ascii_lowercase().as_str() {
@@ -259,7 +259,7 @@ fn is_homogeneous(row: [f64; 4]) -> bool {
     row.iter().zip([0.0, 0.0, 0.0, 1.0]).all(|(a, b)| (a - b).abs() <= 1e-6)
 }
 
-/// The pose that a matrix makes; `None` for a reflection, for anything far from a rotation, and for a 4x4 whose bottom
+/// The pose of a matrix; `None` for a reflection, for anything far from a rotation, and for a 4x4 whose bottom
 /// row is not `0 0 0 1`.
 pub(super) fn matrix_pose(rows: usize, cols: usize, values: &[f64]) -> Option<Pose> {
     let m = upper_left(cols, values)?;

@@ -10,7 +10,7 @@ use crate::world::{EarthOrigin, FrameId};
 use super::document::Node;
 use super::numbers;
 
-/// All origins of a document, in its order. What is switched off beside it, or belongs to a pretended receiver, is none.
+/// All origins of a document, in its order. An origin that is switched off by another key, or belongs to a simulated receiver, does not count.
 pub(super) fn collect(root: &Node, source: SourceId) -> Vec<EarthOrigin> {
     let mut found = Vec::new();
     let mut stack = vec![(root, String::new())];

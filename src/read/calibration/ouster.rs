@@ -1,6 +1,6 @@
-//! Metadata of Ouster sensors: what they say beside transforms.
+//! Metadata of Ouster sensors: what they state besides transforms.
 //!
-//! Owns their keys. Firmware up to 2.x writes them beside each other ("legacy"), later ones in parts (`beam_intrinsics`,
+//! Owns their keys. Firmware up to 2.x writes them side by side ("legacy"), later ones in parts (`beam_intrinsics`,
 //! `sensor_info`, ...); a key means the same in both. Sources: ouster-sdk metadata.cpp; `lidar_frame_azimuth_offset` in millidegrees,
 //! 0 to 360000 (its Python binding and its bounds).
 
@@ -18,15 +18,15 @@ const OWN: &[&str] = &[
     "beam_to_lidar_transform",
     "beam_altitude_angles",
 ];
-/// How deep the parts may lie.
+/// How deep the parts may be nested.
 const MAX_DEPTH: usize = 4;
 
-/// Whether a text may be such metadata: published texts of other kinds are not looked into.
+/// Whether a text may be such metadata: published texts of other kinds are not parsed.
 pub fn may_be_ouster(text: &str) -> bool {
     text.trim_start().starts_with('{') && OWN.iter().any(|key| text.contains(key))
 }
 
-/// What a document says, if it is metadata of an Ouster.
+/// The content of a document, if it is metadata of an Ouster.
 pub(super) fn collect(root: &Node, source: SourceId) -> Option<OusterMetadata> {
     if !OWN.iter().any(|key| find(root, key, MAX_DEPTH).is_some()) {
         return None;

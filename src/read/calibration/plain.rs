@@ -1,6 +1,6 @@
-//! Calibration files in plain text, which are neither YAML nor JSON: turned into the same documents, so that one reading fits all.
+//! Calibration files in plain text, which are neither YAML nor JSON: converted to the same documents, so that one reader handles all.
 //!
-//! Owns which form a text has. What its keys mean, the table of dialects says.
+//! Owns which form a text has. The table of dialects states what its keys mean.
 
 mod blocks;
 mod lines;
@@ -43,17 +43,17 @@ impl Form {
     }
 }
 
-/// Bytes of a file that tell its form; what stands behind them is held to it.
+/// Bytes of a file that determine its form; the rest must have the same form.
 const HEAD: usize = 8192;
 
-/// Words without which a file of these endings is none of ours.
+/// Words that a file with these endings must contain.
 const MARKS: [(&str, Form, &[&str]); 3] = [
     ("ini", Form::Ini, &["pose_x", "sensorLabel"]),
     ("info", Form::Info, &["qCM_", "MrMC_"]),
     ("lua", Form::Lua, &["tracking_frame", "published_frame"]),
 ];
 
-/// The form of a file by the ending of its name, in lower case, and the beginning of its text; `None` where it is no calibration.
+/// The form of a file by the ending of its name, in lower case, and the beginning of its text; `None` if it is not a calibration.
 pub(crate) fn form(ending: &str, text: &str) -> Option<Form> {
     let mut cuts = (0..=HEAD.min(text.len())).rev();
     let head = cuts.find_map(|end| text.get(..end)).unwrap_or_default();
@@ -74,7 +74,7 @@ pub(crate) fn is_yaml(ending: &str, head: &str) -> bool {
     ending == "txt" && has("rows:") && has("data:") && !head.contains("%%")
 }
 
-/// The document of a text. `stem` is the name of the file without its ending: some formats say nothing else of what a file holds.
+/// The document of a text. `stem` is the name of the file without its ending: in some formats, only the name states what a file contains.
 pub(super) fn build(form: Form, text: &str, stem: &str) -> Documents {
     let (root, fault) = match form {
         Form::Keyed => lines::keyed(text),

@@ -95,14 +95,14 @@ fn rangenet(node: &Node) -> Option<(&'static str, Form)> {
     Some(("rangenet", Form::RangeImage(image)))
 }
 
-/// A sensor's metadata: its beams' elevations, and the columns of a turn.
+/// A sensor's metadata: its beams' elevations, and the columns of one revolution.
 fn ouster(node: &Node) -> Option<(&'static str, Form)> {
     let beams = node.get("beam_intrinsics").unwrap_or(node);
     let angles = list(beams.get("beam_altitude_angles"));
     let format = ["lidar_data_format", "data_format"]
         .iter()
         .find_map(|key| node.get(key));
-    // A sensor's nested metadata is met at the top: its part alone says no more.
+    // A sensor's nested metadata is found at the top: its part alone adds nothing.
     if angles.is_empty() || node.get("beam_intrinsics").is_none() && format.is_none() && node.get("prod_line").is_none()
     {
         return None;

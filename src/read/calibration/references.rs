@@ -1,6 +1,6 @@
 //! References from one file to a calibration file: `relative_config_imucam: "kalibr_imucam_chain.yaml"`.
 //!
-//! Owns what counts as such a reference. Whether the file is there is found out by whoever knows the folder.
+//! Owns what counts as such a reference. The caller, which knows the folder, checks whether the file exists.
 
 use crate::source::{Place, Placed, SourceId};
 use crate::world::{FileReference, FrameId, ReferenceState};
@@ -21,7 +21,7 @@ const WORDS: &[&str] = &[
     "kalibr",
 ];
 
-/// All references of a document. Paths with substitutions in them are left out: their files cannot be known.
+/// All references of a document. Paths with substitutions are skipped: their files cannot be known.
 pub(super) fn collect(root: &Node, source: SourceId) -> Vec<FileReference> {
     let mut found = Vec::new();
     let mut stack = vec![root];

@@ -1,10 +1,10 @@
-//! Repairs of text that is nearly YAML or nearly JSON, so that it can be read as its users' readers do.
+//! Repairs of text that is nearly YAML or nearly JSON, so that it can be read as other readers do.
 //!
-//! OpenCV's reader takes files that YAML forbids: `%YAML:1.0` without `---`, `key:[1, 2]` and `key:!!opencv-matrix`
+//! OpenCV's reader accepts files that YAML forbids: `%YAML:1.0` without `---`, `key:[1, 2]` and `key:!!opencv-matrix`
 //! without a space, words after a tag, tabs, ragged indentation. Owns the edits and the map back to the source's
 //! offsets; never adds, removes or reorders values. Knows nothing of transforms.
 
-/// Takes offsets of a repaired text back to the source's text.
+/// Converts offsets of a repaired text to offsets of the source's text.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OffsetMap {
     /// `(offset in the repaired text, offset in the source)` from which on both run together, sorted.
@@ -50,7 +50,7 @@ impl Output {
     }
 }
 
-/// Turns `%YAML:1.0` lines into comments of the same length: every parser refuses the directive without `---`.
+/// Converts `%YAML:1.0` lines to comments of the same length: every parser refuses the directive without `---`.
 pub(super) fn without_directives(text: &str) -> String {
     let mut bytes = Vec::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -65,7 +65,7 @@ pub(super) fn without_directives(text: &str) -> String {
     bytes.into_iter().collect()
 }
 
-/// Blanks `//` and `/* */` comments outside strings; offsets stay.
+/// Replaces `//` and `/* */` comments outside strings by spaces; offsets stay.
 pub(super) fn without_json_comments(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut chars = text.chars().peekable();
@@ -113,7 +113,7 @@ fn blank(c: char, out: &mut String) {
     }
 }
 
-/// Turns the full-width commas of Chinese keyboards into commas, each with the blanks that keep offsets; says in which lines.
+/// Replaces the full-width commas of Chinese keyboards by commas, each with spaces that keep the offsets; returns the lines.
 pub(super) fn without_wide_commas(text: &str) -> (String, Vec<(usize, &'static str)>) {
     const WIDE: char = '\u{ff0c}';
     let lines = text.lines().enumerate().filter(|(_, line)| {
@@ -131,7 +131,7 @@ pub(super) fn has_leading_tabs(text: &str) -> bool {
     text.lines().any(|line| line.trim_start_matches(' ').starts_with('\t'))
 }
 
-/// Rewrites line by line what OpenCV's reader would take, a tab counting as `tab` spaces. Returns the text, the map
+/// Rewrites line by line what OpenCV's reader would accept, a tab counting as `tab` spaces. Returns the text, the map
 /// back (on top of `base`, the source offset of the text's first byte) and what was fixed, by line.
 pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap, Vec<(usize, &'static str)>) {
     let mut out = Output {
@@ -154,7 +154,7 @@ pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap
         } else {
             let indent = levels.place(written, content);
             if indent != written {
-                notes.push((index + 1, "its indentation fits no line above"));
+                notes.push((index + 1, "its indentation matches no line above"));
             } else if blanks.contains('\t') {
                 notes.push((index + 1, "it is indented with tabs"));
             }
@@ -171,7 +171,7 @@ pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap
 
 const MATRIX: &str = "!!opencv-matrix";
 
-/// Copies a line's content, with a space after its first colon where it lacks one, and without words after a tag.
+/// Copies a line's content, with a space after its first colon if there is none, and without words after a tag.
 fn correct(body: &str, source: usize, out: &mut Output) -> Option<&'static str> {
     let mut note = None;
     let is_key = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || "_.-/ ".contains(c));
@@ -199,7 +199,7 @@ fn correct(body: &str, source: usize, out: &mut Output) -> Option<&'static str> 
             if junk_text.is_empty() || junk_text.starts_with('#') || junk_text.starts_with('{') {
                 out.copy(junk, source + rest_start + end);
             } else {
-                note = note.or(Some("words stand after its tag"));
+                note = note.or(Some("there are words after its tag"));
                 out.insert("\n");
             }
         }
@@ -235,7 +235,7 @@ struct Levels {
 }
 
 impl Levels {
-    /// The indentation a line should have: its own where that fits, else that of the nearest level outside it.
+    /// The indentation a line should have: its own if it matches a level, else that of the nearest level outside it.
     fn place(&mut self, written: usize, content: &str) -> usize {
         let key = content.split(':').next().unwrap_or_default().trim();
         let is_pair = content.contains(':');

@@ -1,4 +1,4 @@
-//! Shapes of transforms: matrices, quaternions and roll-pitch-yaw, as lists or as mappings, made into drafts of claims.
+//! Shapes of transforms: matrices, quaternions and roll-pitch-yaw, as lists or as mappings, converted to drafts of claims.
 //!
 //! Owns spelling, units and order of numbers. Knows no frames and no paths.
 
@@ -10,12 +10,12 @@ use super::document::Node;
 use super::names::{self, Half};
 use super::numbers::{self, array, matrix_pose, rpy_pose, values};
 
-/// The numbers of a claim, before it is known what they are called.
+/// The numbers of a claim, before its name is known.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
     /// As written, in metres and radians.
     pub(super) spelling: Spelling,
-    /// The transform, where the numbers make one.
+    /// The transform, if the numbers are one.
     pub(super) pose: Option<Pose>,
     /// Whether a rotation was stated.
     pub(super) has_rotation: bool,
@@ -132,14 +132,14 @@ pub(super) fn combine(
 }
 
 /// A list of seven: x y z qx qy qz qw, the order of TUM trajectories, GLIM and tf's command line. The order of the
-/// last four is known only where the key says it.
+/// last four is known only if the key states it.
 pub(super) fn seven(key: &str, literals: &[Literal], terms: Terms, span: Span) -> Option<Draft> {
     let (translation, four) = literals.split_at_checked(3)?;
     let rotation = quaternion(four, names::says_order(key).or(terms.xyzw))?;
     combine(Some(translation), Some(&rotation), terms.metres, span)
 }
 
-/// Four numbers; `xyzw` says whether their order is known to be x y z w or w x y z.
+/// Four numbers; `xyzw` is their order, x y z w or w x y z, if it is known.
 fn quaternion(four: &[Literal], xyzw: Option<bool>) -> Option<Rotation> {
     let [a, b, c, d] = four else { return None };
     let literals = match xyzw {
@@ -259,7 +259,7 @@ pub(super) fn flat_pose(key: &str, node: &Node, source: &str, terms: Terms) -> O
     combine(Some(&position), Some(&rotation), metres, node.span)
 }
 
-/// A pose whose numbers stand under `stem` and `_tx`, `_ty`, `_tz`, `_rx`, `_ry`, `_rz`.
+/// A pose whose numbers are under `stem` and `_tx`, `_ty`, `_tz`, `_rx`, `_ry`, `_rz`.
 pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<Draft> {
     let three = |kind: char| {
         let of = |axis| numbers::literal(node.get(&format!("{stem}_{kind}{axis}"))?);
@@ -274,7 +274,7 @@ pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<Dra
     combine(Some(&position), Some(&rotation), terms.metres, span)
 }
 
-/// A rotation, or the place of something, whose numbers stand under `stem` and `_x`, `_y`, `_z`, for a rotation `_w` as well.
+/// A rotation or a position whose numbers are under `stem` and `_x`, `_y`, `_z`, for a rotation `_w` as well.
 pub(super) fn prefixed_half(stem: &str, node: &Node, terms: Terms) -> Option<Draft> {
     let of = |part| numbers::literal(node.get(&format!("{stem}_{part}"))?);
     let three = vec![of('x')?, of('y')?, of('z')?];
@@ -290,8 +290,8 @@ pub(super) fn prefixed_half(stem: &str, node: &Node, terms: Terms) -> Option<Dra
     combine(None, Some(&rotation), 1.0, span)
 }
 
-/// A rotation whose numbers are all keys of one mapping: `{x, y, z, w}`, or `{roll, pitch, yaw}` under a key that speaks
-/// of a rotation.
+/// A rotation whose numbers are all keys of one mapping: `{x, y, z, w}`, or `{roll, pitch, yaw}` under a key that means
+/// a rotation.
 pub(super) fn flat_rotation(node: &Node, speaks_of_rotation: bool, degrees: bool) -> Option<Draft> {
     let four = fields(node, QUATERNIONS).or_else(|| fields(node, &[["x", "y", "z", "w"]]));
     let rotation = match four {

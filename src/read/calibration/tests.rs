@@ -1,4 +1,4 @@
-//! Tests of the calibration reader: forms of transforms, quirks of files, and real files where they are at hand.
+//! Tests of the calibration reader: forms of transforms, quirks of files, and real files where they are available.
 
 mod corpus;
 mod dialects;
@@ -70,7 +70,7 @@ fn matrix(claim: &Claim) -> (usize, usize, Vec<f64>) {
     }
 }
 
-/// Every literal of a claim stands where its span says.
+/// Every literal of a claim is at its span.
 fn literals_stand_where_they_say(text: &str, claim: &Claim) {
     let literals = claim.translation_literals.iter().chain(&claim.rotation_literals);
     for literal in literals {

@@ -1,4 +1,4 @@
-//! Where a value stands: the path of keys to it, the frames its surroundings name, and the claims made so far.
+//! The place of a value: the path of keys to it, the frames that the keys around it name, and the claims made so far.
 //!
 //! Owns labels, frames and readings of claims. Knows nothing of the shapes of numbers.
 
@@ -16,7 +16,7 @@ use super::names;
 use super::numbers;
 use super::shapes::Draft;
 
-/// One step of the path: a value and the key it stands under.
+/// One step of the path: a value and its key.
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
     /// The key; `None` for the root and for items of a list.
@@ -36,11 +36,11 @@ pub(super) struct Named {
     pub(super) places: (Span, Span),
     /// How sure it is.
     pub(super) reading: Confidence,
-    /// Whether keys state the frames (`frame_id`), or the name of a key was taken apart.
+    /// Whether keys state the frames (`frame_id`), or they were parsed from the name of a key.
     pub(super) role: FrameRole,
-    /// Whether they are words of a program for its sensors, and no names of the platform's frames.
+    /// Whether they are a program's words for its sensors, not names of the platform's frames.
     pub(super) is_role: bool,
-    /// Whether keys beside the one that names the frames (`parent_frame`, `child_frame`) state the other direction.
+    /// Whether keys next to the one that names the frames (`parent_frame`, `child_frame`) state the other direction.
     pub(super) is_contradicted: bool,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Walk<'a> {
         self.path.pop();
     }
 
-    /// The key that the current value stands under; items of a list share the key of the list.
+    /// The key of the current value; items of a list share the key of the list.
     pub(super) fn key(&self) -> &'a str {
         self.key_node().and_then(Node::text).unwrap_or_default()
     }
@@ -95,18 +95,18 @@ impl<'a> Walk<'a> {
         self.path.iter().rev().find(|step| step.index.is_none())?.key
     }
 
-    /// The key just above the current value, if it is no item of a list.
+    /// The key just above the current value, if it is not an item of a list.
     pub(super) fn own_key(&self) -> Option<&'a Node> {
         self.path.last()?.key
     }
 
-    /// The key of the mapping that the current value stands in.
+    /// The key of the mapping that contains the current value.
     pub(super) fn parent_key(&self) -> Option<&'a str> {
         let mut keys = self.path.iter().rev().filter(|step| step.index.is_none());
         keys.nth(1)?.key?.text()
     }
 
-    /// Whether the current value's key, or the one above a key that says nothing, satisfies `test`.
+    /// Whether the current value's key, or the one above a key that names no frames, satisfies `test`.
     pub(super) fn any_key(&self, test: impl Fn(&str) -> bool) -> bool {
         for step in self.path.iter().rev() {
             let Some(key) = step.key.and_then(Node::text) else {
@@ -122,7 +122,7 @@ impl<'a> Walk<'a> {
         false
     }
 
-    /// The keys from the root to the current value, with more behind them, joined by `/`.
+    /// The keys from the root to the current value, with more after them, joined by `/`.
     pub(super) fn label(&self, last: &str) -> String {
         let mut parts: Vec<String> = self
             .path
@@ -138,7 +138,7 @@ impl<'a> Walk<'a> {
         parts.join("/")
     }
 
-    /// What the dialect says of the current value, or of the one under a key in it.
+    /// What the dialect says about the current value, or about the one under a key in it.
     fn said(&self, last: &str) -> Option<Said<'a>> {
         dialect::said(self.dialect?, &self.label(last))
     }
@@ -161,12 +161,12 @@ impl<'a> Walk<'a> {
         itself || half.is_some() && names::half(self.key()).is_some()
     }
 
-    /// What the dialect says of a key in the current value that it names itself.
+    /// What the dialect says about a key in the current value that it names itself.
     pub(super) fn named_key(&self, key: &str) -> Option<Said<'a>> {
         self.said(key).filter(|said| said.names(key))
     }
 
-    /// Why the dialect's word on a statement is in doubt.
+    /// Why the dialect's description of a statement is in doubt.
     fn doubt(&self, label: &str, by: Option<&Node>) -> Option<Doubt> {
         let said = dialect::said(self.dialect?, label).or_else(|| self.said(by?.text()?))?;
         let algebra = said.keyed.algebra_doubt.clone().map(Doubt::Algebra);
@@ -199,7 +199,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The frames that the surroundings of the current value name: keys that state them, else names of keys, from the
-    /// inside out as long as the keys on the way say nothing themselves.
+    /// inside out as long as the keys on the way name no frames themselves.
     pub(super) fn named(&self) -> Option<Named> {
         for (at, step) in self.path.iter().enumerate().rev() {
             if let Some(named) = stated(step.node) {
@@ -218,7 +218,7 @@ impl<'a> Walk<'a> {
         None
     }
 
-    /// The frames that a key in the current value speaks of, by the names that keys beside it state.
+    /// The frames that a key in the current value names, replaced by the names that the keys next to it state.
     pub(super) fn named_inside(&self, key: &Node) -> Option<Named> {
         Some(beside(self.named_by(key)?, stated(self.path.last()?.node)))
     }
@@ -258,7 +258,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// The frames that a key's name speaks of.
+    /// The frames in a key's name.
     pub(super) fn named_by(&self, key: &Node) -> Option<Named> {
         let text = key.text()?;
         let name = transform_name::parse(text)?;
@@ -301,7 +301,7 @@ impl<'a> Walk<'a> {
         Some(named)
     }
 
-    /// The nearest key above that is `stem` with a number behind it.
+    /// The nearest key above that is `stem` followed by a number.
     fn numbered_ancestor(&self, stem: &str) -> Option<(String, u32, Span)> {
         self.path.iter().rev().find_map(|step| {
             let key = step.key?;
@@ -310,7 +310,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Makes a claim. Numbers that are none become a problem instead.
+    /// Makes a claim. Values that are not numbers become a problem instead.
     pub(super) fn emit(&mut self, draft: Draft, label: String, named: Option<&Named>, by: Option<&Node>, terms: Terms) {
         let literals = draft.translation.iter().chain(&draft.rotation);
         if let Some(bad) = literals.clone().find(|l| numbers::number(&l.text).is_none()) {
@@ -318,7 +318,7 @@ impl<'a> Walk<'a> {
             let why = if launch {
                 "is filled in by another program"
             } else {
-                "is no number"
+                "is not a number"
             };
             self.problems.push((
                 bad.span,
@@ -346,7 +346,7 @@ impl<'a> Walk<'a> {
         }
         let place = |span: Span| Place::text(self.source, span);
         let span = by.map_or(draft.span, |key| draft.span.cover(key.span));
-        // A statement begins at the key that names its frames, also where the numbers stand under keys of their own.
+        // A statement begins at the key that names its frames, also if the numbers have keys of their own.
         let naming = named.filter(|n| n.role == FrameRole::CalibrationLabel && n.places.0 == n.places.1);
         let span = naming.map_or(span, |n| span.cover(n.places.0));
         let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
@@ -381,7 +381,7 @@ impl<'a> Walk<'a> {
                 source_place: named.map(|n| place(n.places.1)),
             },
         };
-        // The file says both; that the two do not agree is for the rules to find.
+        // The file states both; the rules report that they contradict each other.
         if named.is_some_and(|named| named.is_contradicted) && found.claim.pose.is_some() {
             let mut stated = found.claim.clone();
             stated.label.push_str(" (as the frames stated beside it)");
@@ -433,7 +433,7 @@ impl<'a> Walk<'a> {
     }
 
     /// All that was found. Where one key under several parents would name the same frames for different things
-    /// (`T_SC` of each camera of a list), the names are labels of a formula and are dropped.
+    /// (`T_SC` of each camera of a list), the names are symbols of a formula and are dropped.
     pub(super) fn finish(mut self) -> (Facts, Vec<(Span, String)>) {
         let mut same: BTreeMap<(String, FrameId, FrameId), usize> = BTreeMap::new();
         let name = |found: &Found| {
@@ -458,7 +458,7 @@ impl<'a> Walk<'a> {
             let Some((target, source)) = &claim.frames else {
                 continue;
             };
-            // What a program calls its sensors is no name of a frame.
+            // A program's word for a sensor is not the name of a frame.
             if matches!(claim.kind, ClaimKind::File { roles: true, .. }) {
                 continue;
             }
@@ -485,7 +485,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The frames of a statement, by what names them itself and by its dialect, and whether they are the dialect's words alone.
+/// The frames of a statement, by its own keys and by its dialect, and whether they come from the dialect alone.
 fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> Option<Named> {
     match (named.cloned(), by_dialect) {
         (Some(stated), _) if stated.role == FrameRole::Calibration => Some(stated),
@@ -497,8 +497,8 @@ fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> Option<Named> {
     }
 }
 
-/// The frames that a key names (`ego_T_lidar`), by what keys beside it state (`parent_frame: base_link`, `child_frame: lidar_top`): its
-/// names stand for those. Where the stated ones are none of these, the key's own.
+/// The frames that a key names (`ego_T_lidar`), by what keys next to it state (`parent_frame: base_link`, `child_frame: lidar_top`): its
+/// names are replaced by those. If the stated frames do not correspond to them, the key's own names are used.
 fn beside(named: Named, stated: Option<Named>) -> Named {
     let Some(stated) = stated else { return named };
     let alike = |a: &str, b: &str| names::alike(a, b);
@@ -524,7 +524,7 @@ fn beside(named: Named, stated: Option<Named>) -> Named {
 
 /// Keys under which a mounting names the frame of its sensor.
 const SENSOR_FRAMES: &[&str] = &["child_frame", "child_frame_id", "frame_id", "frame", "link"];
-/// Keys under which a file says which frame its mountings are told in.
+/// Keys by which a file states the frame in which its mountings are expressed.
 const BASE_FRAMES: &[&str] = &[
     "base_frame",
     "base_frame_id",

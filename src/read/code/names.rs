@@ -1,4 +1,4 @@
-//! Names of transforms as they stand in code: with marks of members, words for which value it is, and verbs of getters.
+//! Names of transforms as written in code: with marks of members, words for which value it is, and verbs of getters.
 
 use crate::world::transform_name::{self, NamePart, NameStyle, TransformName};
 
@@ -27,7 +27,7 @@ pub(super) const WRAPS: [&str; 22] = [
     "Transformation",
     "Some",
 ];
-/// Words behind a name that say which value of it this is.
+/// Words after a name that state which value of it this is.
 const VALUES: [&str; 20] = [
     "est",
     "estimated",
@@ -51,12 +51,12 @@ const VALUES: [&str; 20] = [
     "ptr",
 ];
 
-/// Verbs before the name of what a function gives.
+/// Verbs before the name of what a function returns.
 const GETTERS: [&str; 6] = ["get", "compute", "calc", "lookup", "make", "estimate"];
 /// Marks between or before two frames.
 const MARKS: [&str; 4] = ["T", "R", "SE3", "H"];
 
-/// The transform that a name in code speaks of. Names with `to` are left out: projects disagree on their direction.
+/// The transform that a name in code describes. Names with `to` are skipped: projects disagree on their direction.
 pub(super) fn named(spelled: &str) -> Option<TransformName> {
     let trimmed = spelled.strip_prefix("m_").unwrap_or(spelled).trim_matches('_');
     let mut words: Vec<&str> = trimmed.split('_').filter(|word| !word.is_empty()).collect();
@@ -89,11 +89,11 @@ pub(super) fn named(spelled: &str) -> Option<TransformName> {
         words.pop();
     }
     let name = transform_name::parse(&words.join("_"))?;
-    // Vectors are in one frame; `p_in_cam` speaks of no two.
+    // Vectors are in one frame; `p_in_cam` does not name two.
     if name.style == NameStyle::To || name.part == NamePart::Translation {
         return None;
     }
-    // With one letter for a frame, or no mark between the two, names are read in more than one way.
+    // With one letter for a frame, or no mark between the two, names are ambiguous.
     let is_plain = matches!(name.style, NameStyle::Infix | NameStyle::From) && !name.is_letters();
     let name = TransformName {
         ambiguous: name.ambiguous || !is_plain,
@@ -102,7 +102,7 @@ pub(super) fn named(spelled: &str) -> Option<TransformName> {
     Some(if is_inverse { name.inverse() } else { name })
 }
 
-/// Whether a word behind a frame's first belongs to it: `base_link`, `camera_left`, `body_k`.
+/// Whether a word after a frame's first word belongs to it: `base_link`, `camera_left`, `body_k`.
 fn belongs(word: &str) -> bool {
     is_counter(word)
         || transform_name::is_glued(word)
@@ -116,7 +116,7 @@ fn is_index(words: &[&str]) -> bool {
     let [first, rest @ .., last] = words else { return false };
     let is_mark = matches!(*first, "T" | "R" | "H");
     match rest {
-        // Two letters name two frames, and what follows says which: `T_WS_init`.
+        // Two letters name two frames, and what follows distinguishes values: `T_WS_init`.
         [pair] => {
             let is_pair = pair.len() == 2 && pair.bytes().all(|byte| byte.is_ascii_uppercase());
             is_mark && is_pair && last.starts_with(|letter: char| !letter.is_ascii_uppercase())

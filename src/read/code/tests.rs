@@ -138,7 +138,11 @@ fn a_text_whose_parse_has_no_end_is_given_up_with_its_place() {
     assert!(facts.chains.is_empty());
     assert_eq!(source.status, ReadStatus::Unreadable);
     let problem = &source.problems[0];
-    assert!(problem.message.contains("too broken"), "{}", problem.message);
+    assert!(
+        problem.message.contains("too many syntax errors"),
+        "{}",
+        problem.message
+    );
     assert!(
         problem
             .place

@@ -1,7 +1,7 @@
 //! The arguments of `static_transform_publisher`: six or seven numbers and two frames, or flags.
 //!
 //! Orders and counts are those of the programs themselves: `static_transform_publisher.cpp` of `tf` (ROS 1, with a period in milliseconds
-//! behind the frames) and `static_transform_broadcaster_program.cpp` of `tf2_ros` (ROS 1 and 2). All read yaw pitch roll and x y z w.
+//! after the frames) and `static_transform_broadcaster_program.cpp` of `tf2_ros` (ROS 1 and 2). All read yaw pitch roll and x y z w.
 
 use crate::math::rotation;
 use crate::source::{Confidence, Place, SourceId, Span};
@@ -13,20 +13,20 @@ use super::{Call, PROGRAM, When, Word};
 /// The dialect's name in claims.
 const DIALECT: &str = PROGRAM;
 
-/// What the arguments say, before it is a claim.
+/// The content of the arguments, before it becomes a claim.
 struct Arguments<'w> {
     form: ArgumentForm,
-    /// Roll, pitch, yaw or x, y, z, w, whatever the order in the file; zero where it is not written.
+    /// Roll, pitch, yaw or x, y, z, w, independent of the order in the file; zero if it is not written.
     rotation: Vec<Option<&'w Word>>,
     translation: [Option<&'w Word>; 3],
     frames: [Option<&'w Word>; 2],
 }
 
-/// Reads a call. The claim is `None` where the transform is not known; the publisher then says why.
+/// Reads a call. The claim is `None` where the transform is not known; the publisher then has the reason.
 pub(super) fn read(call: &Call, source: SourceId, ordinal: usize) -> (StaticPublisher, Option<Claim>) {
     let words = without_ros(&call.words);
     let has_period = !is_flagged(&words) && words.last().is_some_and(|word| is_number(word)) && words.len() > 7;
-    // What a substitution brought stands elsewhere.
+    // The value of a substitution is written elsewhere.
     let own = || {
         words
             .iter()
@@ -59,7 +59,7 @@ pub(super) fn read(call: &Call, source: SourceId, ordinal: usize) -> (StaticPubl
     }
 }
 
-/// The arguments without remappings (`__name:=x`) and what stands between `--ros-args` and `--`.
+/// The arguments without remappings (`__name:=x`) and everything between `--ros-args` and `--`.
 fn without_ros(words: &[Word]) -> Vec<&Word> {
     let mut of_ros = false;
     let mut kept = Vec::new();
@@ -101,7 +101,7 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
             Unread::Parameter(only.text.clone())
         });
     }
-    // The words behind the frames are numbers: the period.
+    // A number after the frames is the period.
     let frames_end = match words {
         [.., last] if is_number(last) => words.len() - 1,
         _ => words.len(),
@@ -116,20 +116,20 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
         return Err(match open {
             Some(open) => Unread::Open(open.text.clone()),
             None => Unread::Misread(format!(
-                "{} arguments are neither 6 nor 7 numbers and two frames",
+                "it has {} arguments; it needs 6 or 7 numbers and two frames",
                 words.len()
             )),
         });
     };
     if let Some(name) = numbers.iter().find(|word| !word.is_open && !is_number(word)) {
         return Err(Unread::Misread(format!(
-            "`{}` stands where a number is read",
+            "`{}` is not a number where one is required",
             name.text
         )));
     }
     if let Some(frame) = [parent, child].into_iter().find(|word| is_number(word)) {
         return Err(Unread::Misread(format!(
-            "`{}` stands where a frame is read",
+            "`{}` is a number where a frame is required",
             frame.text
         )));
     }
@@ -152,7 +152,7 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     })
 }
 
-/// `--x 1 --frame-id a`; the programs know no `--x=1`.
+/// `--x 1 --frame-id a`; the programs do not accept `--x=1`.
 fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     const TRANSLATION: [&str; 3] = ["--x", "--y", "--z"];
     const ANGLES: [&str; 3] = ["--roll", "--pitch", "--yaw"];
@@ -171,7 +171,7 @@ fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
             return Err(if flag.is_open {
                 Unread::Open(flag.text.clone())
             } else {
-                Unread::Misread(format!("`{}` is no argument of {PROGRAM}", flag.text))
+                Unread::Misread(format!("`{}` is not an argument of {PROGRAM}", flag.text))
             });
         }
         let value = words
@@ -197,7 +197,7 @@ fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     };
     let frames = FRAMES.map(of);
     if let Some((_, flag)) = frames.iter().zip(FRAMES).find(|(frame, _)| frame.is_none()) {
-        return Err(Unread::Misread(format!("`{flag}` is not given")));
+        return Err(Unread::Misread(format!("`{flag}` is missing")));
     }
     Ok(Arguments {
         form: ArgumentForm::Flags,
@@ -273,7 +273,7 @@ fn claim(
     })
 }
 
-/// Numbers that flags leave out are zero and stand nowhere.
+/// Numbers that flags omit are zero and are written nowhere.
 fn literals(words: &[Option<&Word>]) -> Result<Vec<Literal>, Unread> {
     let literal = |word: Option<&Word>| match word {
         None => Ok(written(0.0, Span::default())),
@@ -285,7 +285,7 @@ fn literals(words: &[Option<&Word>]) -> Result<Vec<Literal>, Unread> {
             }),
             _ if word.is_open => Err(Unread::Open(word.text.clone())),
             _ => Err(Unread::Misread(format!(
-                "`{}` stands where a number is read",
+                "`{}` is not a number where one is required",
                 word.text
             ))),
         },
@@ -301,7 +301,7 @@ fn written(value: f64, span: Span) -> Literal {
     }
 }
 
-/// All literals, or none where one of them stands nowhere.
+/// All literals, or none if one of them is written nowhere.
 fn written_ones(literals: Vec<Literal>) -> Vec<Literal> {
     if literals.iter().any(|literal| literal.span == Span::default()) {
         Vec::new()

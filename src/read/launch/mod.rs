@@ -1,7 +1,7 @@
 //! The reader of launch files and scripts: the static transforms that they publish, and the settings of localisation nodes.
 //!
-//! Owns the entry point and what a call is. `xml`, `python` and `shell` find calls in their grammar, `command` reads the arguments of one,
-//! `traced` keeps the place of every letter through substitutions, `settings` knows which settings are kept.
+//! Owns the entry point and the notion of a call. `xml`, `python` and `shell` find calls in their grammar, `command` reads the arguments of one,
+//! `traced` keeps the place of every letter through substitutions, `settings` lists the settings that are kept.
 
 mod command;
 mod python;
@@ -70,7 +70,7 @@ pub fn read(source: &mut Source) -> Facts {
     finish(found, source)
 }
 
-/// Puts what was found into facts, and what was not into words on the source.
+/// Converts what was found to facts, and the rest to problems and notes of the source.
 fn finish(found: Found, source: &mut Source) -> Facts {
     let Found { facts, faults, off, .. } = found;
     for (span, message) in faults {
@@ -88,7 +88,7 @@ fn finish(found: Found, source: &mut Source) -> Facts {
     }
     if open > 0 {
         notes.push(format!(
-            "{open} static transform(s) with arguments that are not known here"
+            "the arguments of {open} static transform(s) cannot be determined here"
         ));
     }
     if !off.is_empty() {
@@ -107,14 +107,14 @@ fn finish(found: Found, source: &mut Source) -> Facts {
     facts
 }
 
-/// One argument of a call and where it stands.
+/// One argument of a call and its place.
 #[derive(Clone, Debug, PartialEq)]
 struct Word {
     text: String,
     span: Span,
     /// Whether a part of it is not known: a substitution that cannot be resolved here.
     is_open: bool,
-    /// Whether it comes from a default that somebody may override.
+    /// Whether it comes from a default that a user may override.
     is_default: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Launch files in Python: `Node(package='tf2_ros', executable='static_transform_publisher', arguments=[...])`.
 //!
-//! Nothing is run: values are followed as far as they are plain, through names that are bound once, arguments of functions and defaults of
-//! launch arguments. What goes beyond is not known.
+//! Nothing is run: simple values are followed through names that are bound once, arguments of functions and defaults of
+//! launch arguments. Anything else is unknown.
 
 mod values;
 
@@ -20,7 +20,7 @@ const MAX_SITES: usize = 256;
 
 struct Script<'t> {
     source: &'t str,
-    /// What is assigned to names, wherever it is; `None` where it is more than one thing.
+    /// The values assigned to names, anywhere; `None` for several values.
     assigned: BTreeMap<&'t str, Option<Node<'t>>>,
     /// Defaults of launch arguments.
     declared: BTreeMap<String, Node<'t>>,
@@ -146,7 +146,7 @@ impl<'t> Script<'t> {
         });
     }
 
-    /// Runs `made` once, or once for each call of the function around, its parameters bound.
+    /// Runs `made` once, or once for each call of the function around, with its parameters bound.
     fn each_site(&self, call: Node<'t>, calls: &[Node<'t>], mut made: impl FnMut(&Bound)) {
         let function = around(call, &["function_definition"]);
         let parameters = function.and_then(|function| function.child_by_field_name("parameters"));
@@ -174,7 +174,7 @@ impl<'t> Script<'t> {
         }
     }
 
-    /// `if` around it, and `condition=` in it, decide what is not known here.
+    /// With an `if` around it, or `condition=` in it, it is not known whether it runs.
     fn when(&self, call: Node<'t>) -> When {
         let is_branch = around(
             call,
@@ -220,7 +220,7 @@ impl<'t> Script<'t> {
     }
 }
 
-/// The nearest node around of one of these kinds.
+/// The nearest enclosing node of one of these kinds.
 fn around<'t>(node: Node<'t>, kinds: &[&str]) -> Option<Node<'t>> {
     let mut at = node.parent();
     while let Some(parent) = at {

@@ -1,4 +1,4 @@
-//! Which settings of `robot_localization` are kept: those that speak of frames and headings.
+//! Which settings of `robot_localization` are kept: those about frames and headings.
 
 use std::collections::BTreeMap;
 

@@ -64,7 +64,7 @@ pub(super) fn read(source: &str, found: &mut Found) {
     }
 }
 
-/// Whether the command stands in a branch, a loop or a function.
+/// Whether the command is in a branch, a loop or a function.
 fn is_conditional(node: Node<'_>) -> bool {
     let mut around = node.parent();
     while let Some(parent) = around {

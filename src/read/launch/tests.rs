@@ -1,4 +1,4 @@
-//! One static transform in every grammar, and what each cannot tell.
+//! One static transform in every grammar, and what each cannot express.
 
 use std::f64::consts::FRAC_PI_2;
 

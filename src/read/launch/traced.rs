@@ -1,4 +1,4 @@
-//! Texts that know where each of their letters stands, through substitutions.
+//! Texts that know where each of their letters is written, through substitutions.
 
 use crate::source::Span;
 
@@ -23,7 +23,7 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// The text of a value that stands at `span`, letter by letter where it was not changed in reading.
+    /// The text of a value at `span`, letter by letter where it was not changed in reading.
     pub(super) fn new(text: &str, span: Span) -> Self {
         let last = span.end.saturating_sub(1).max(span.start);
         let origins = (0..text.len()).map(|index| Origin {
@@ -51,7 +51,7 @@ impl Traced {
         self.origins.iter().any(|origin| origin.is_default)
     }
 
-    /// The same, as something that is not known.
+    /// The same, marked as unknown.
     pub(super) fn opened(mut self) -> Self {
         for origin in &mut self.origins {
             origin.is_open = true;
@@ -59,7 +59,7 @@ impl Traced {
         self
     }
 
-    /// The same, as a default.
+    /// The same, marked as a default.
     pub(super) fn defaulted(mut self) -> Self {
         for origin in &mut self.origins {
             origin.is_default = true;
@@ -77,7 +77,7 @@ impl Traced {
         }
     }
 
-    /// Puts another behind it.
+    /// Appends another.
     pub(super) fn push(&mut self, other: &Self) {
         if self.text.len() + other.text.len() > MAX_LENGTH {
             *self = std::mem::take(self).opened();
@@ -87,7 +87,7 @@ impl Traced {
         self.origins.extend(&other.origins);
     }
 
-    /// Its words: what stands between blanks outside of `$(...)`.
+    /// Its words: separated by whitespace outside of `$(...)`.
     pub(super) fn words(&self) -> Vec<Word> {
         let mut words = Vec::new();
         let mut start = None;
@@ -116,7 +116,7 @@ impl Traced {
     fn word(&self, range: std::ops::Range<usize>) -> Option<Word> {
         let part = self.part(range);
         let (first, last) = (part.origins.first()?, part.origins.last()?);
-        // Pieces from several places: the first says where.
+        // Pieces from several places: the place is that of the first.
         let end = if last.at >= first.at && last.at - first.at < part.text.len() * 2 {
             last.at + 1
         } else {

@@ -9,9 +9,9 @@ use crate::source::{Place, Placed, Span};
 use super::traced::Traced;
 use super::{Call, Found, PROGRAM, When, settings, yaml};
 
-/// Elements within elements that are looked at.
+/// Deepest nesting of elements that is read.
 const MAX_DEPTH: usize = 1000;
-/// Substitutions inside of substitutions.
+/// Deepest nesting of substitutions.
 const MAX_NESTING: usize = 8;
 
 pub(super) fn read(text: &str, found: &mut Found) {
@@ -21,7 +21,7 @@ pub(super) fn read(text: &str, found: &mut Found) {
         nodes_limit: 1_000_000,
         ..ParsingOptions::default()
     };
-    // An XML declaration must stand first.
+    // An XML declaration must come first.
     let body = text.get(bom..).unwrap_or_default();
     match Document::parse_with_options(body, options) {
         Ok(document) => {
@@ -63,7 +63,7 @@ impl Walk<'_> {
             "let" if when != When::Off => self.arg(node, "value", when < When::Perhaps),
             "node" => self.node(node, when),
             "executable" => self.executable(node, when),
-            // Arguments in there are another file's.
+            // Its arguments belong to another file.
             "include" => {}
             _ if depth < MAX_DEPTH => {
                 for child in node.children().filter(Node::is_element) {
@@ -72,7 +72,7 @@ impl Walk<'_> {
             }
             _ if node.has_children() => {
                 let start = self.base + node.range().start;
-                let fault = format!("elements are nested more than {MAX_DEPTH} deep: what is inside is not read");
+                let fault = format!("elements are nested more than {MAX_DEPTH} deep: the inner ones are not read");
                 self.found.faults.push((Span::new(start, start + 1), fault));
             }
             _ => {}
@@ -104,7 +104,7 @@ impl Walk<'_> {
         self.args.insert(name.to_owned(), value);
     }
 
-    /// `$(arg x)` and its kin replaced by what they stand for, where that is known.
+    /// `$(arg x)` and similar substitutions replaced by their values, where these are known.
     fn resolved(&self, raw: &Traced, nesting: usize) -> Traced {
         let mut done = Traced::default();
         let text = raw.text();
@@ -128,7 +128,7 @@ impl Walk<'_> {
         done
     }
 
-    /// What stands between `$(` and `)`.
+    /// The value of the text between `$(` and `)`.
     fn substitution(&self, inner: &Traced) -> Option<Traced> {
         let text = inner.text();
         let (command, rest) = text.trim().split_once(char::is_whitespace)?;
@@ -143,7 +143,7 @@ impl Walk<'_> {
         }
     }
 
-    /// What `if` and `unless` say.
+    /// The condition by `if` and `unless`.
     fn condition(&self, node: Node<'_, '_>) -> When {
         let mut when = When::Always;
         for (key, wanted) in [("if", true), ("unless", false)] {

@@ -9,10 +9,10 @@ use crate::world::Facts;
 use super::traced::Traced;
 use super::{Call, Found, PROGRAM, When, settings};
 
-/// Deeper values are not looked at.
+/// Deeper values are not read.
 const MAX_DEPTH: usize = 32;
 
-/// What a document says of launched publishers and of settings. `text` is what spans count in.
+/// What a document states about launched publishers and settings. Spans count in `text`.
 pub(crate) fn collect(root: &Node, text: &str, source: SourceId) -> Facts {
     let mut found = Found::new(source);
     if let Some(items) = root.get("launch").and_then(Node::items) {
@@ -71,7 +71,7 @@ fn is_of_a_filter(key: &str) -> bool {
             .any(|stem| numbered(stem, "_config"))
 }
 
-/// Settings of filters and of `navsat_transform_node`, wherever they stand. `name` is the key above.
+/// Settings of filters and of `navsat_transform_node`, anywhere in the document. `name` is the key above.
 fn filters(node: &Node, name: &str, found: &mut Found, depth: usize) {
     let keys = || node.pairs().iter().filter_map(|(key, _)| key.text());
     let is_navsat = keys().any(|key| key == "magnetic_declination_radians")
@@ -107,7 +107,7 @@ fn values_of(node: &Node, source: SourceId) -> Vec<(String, Placed<String>)> {
     node.pairs().iter().filter_map(of).collect()
 }
 
-/// The settings in a text that stands at `base` in its source.
+/// The settings in a text that begins at `base` in its source.
 pub(super) fn values(raw: &str, base: usize, source: SourceId) -> Vec<(String, Placed<String>)> {
     let documents = events::build(raw, &OffsetMap::starting_at(base));
     documents

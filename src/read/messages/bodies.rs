@@ -7,7 +7,7 @@ use super::content::{Body, Fix, Imu, MAX_PATH, Odometry, Pose, Twist};
 use super::header::Header;
 use super::{Cursor, DecodeError};
 
-/// Reads the rest of an `nav_msgs/Odometry` behind its header.
+/// Reads the rest of an `nav_msgs/Odometry` after its header.
 pub(super) fn odometry<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     Ok(Body::Odometry(Box::new(Odometry {
         child: cursor.name()?.into(),
@@ -20,7 +20,7 @@ pub(super) fn odometry<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeEr
     })))
 }
 
-/// Reads the rest of a `sensor_msgs/Imu` behind its header.
+/// Reads the rest of a `sensor_msgs/Imu` after its header.
 pub(super) fn imu<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     Ok(Body::Imu(Box::new(Imu {
         orientation: cursor.f64s()?,
@@ -32,7 +32,7 @@ pub(super) fn imu<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> 
     })))
 }
 
-/// Reads the rest of a `sensor_msgs/NavSatFix` behind its header.
+/// Reads the rest of a `sensor_msgs/NavSatFix` after its header.
 pub(super) fn fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let status = cursor.i8()?;
     let _service = cursor.u16()?;
@@ -46,7 +46,7 @@ pub(super) fn fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> 
     }))
 }
 
-/// Reads the rest of a `gps_msgs/GPSFix` or `gps_common/GPSFix` behind its header.
+/// Reads the rest of a `gps_msgs/GPSFix` or `gps_common/GPSFix` after its header.
 pub(super) fn gps_fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let status = gps_status(cursor)?;
     let [latitude, longitude, altitude, track, speed, climb] = cursor.f64s()?;
@@ -65,7 +65,7 @@ pub(super) fn gps_fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeErr
     }))
 }
 
-/// Reads a `GPSStatus`; gives its status.
+/// Reads a `GPSStatus`; returns its status.
 fn gps_status(cursor: &mut Cursor<'_>) -> Result<i8, DecodeError> {
     let _own = Header::read(cursor)?;
     let numbers = |cursor: &mut Cursor<'_>| {
@@ -96,7 +96,7 @@ pub(super) fn geo_point<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeE
     }))
 }
 
-/// Reads the rest of a `nav_msgs/Path` behind its header. Nothing is set aside for the number that a message claims.
+/// Reads the rest of a `nav_msgs/Path` after its header. No memory is reserved for the number that a message claims.
 pub(super) fn path<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let count = cursor.sequence()?;
     let every = count.div_ceil(MAX_PATH).max(1);
@@ -117,7 +117,7 @@ pub(super) fn path<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError>
     Ok(Body::Path(poses))
 }
 
-/// Reads the rest of a `geometry_msgs/PoseStamped`, or of the type with covariance, behind its header.
+/// Reads the rest of a `geometry_msgs/PoseStamped`, or of the type with covariance, after its header.
 pub(super) fn pose<'m>(cursor: &mut Cursor<'m>, has_covariance: bool) -> Result<Body<'m>, DecodeError> {
     Ok(Body::Pose(Box::new(Pose {
         position: cursor.f64s()?,
@@ -126,7 +126,7 @@ pub(super) fn pose<'m>(cursor: &mut Cursor<'m>, has_covariance: bool) -> Result<
     })))
 }
 
-/// Reads the rest of a `geometry_msgs/TwistStamped`, or of the type with covariance, behind its header.
+/// Reads the rest of a `geometry_msgs/TwistStamped`, or of the type with covariance, after its header.
 pub(super) fn twist<'m>(cursor: &mut Cursor<'m>, has_covariance: bool) -> Result<Body<'m>, DecodeError> {
     Ok(Body::Twist(Box::new(Twist {
         linear: cursor.f64s()?,

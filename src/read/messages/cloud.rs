@@ -1,6 +1,6 @@
-//! Point clouds as they are published: fields of points, and the bytes that they stand in.
+//! Point clouds as they are published: fields of points, and their bytes.
 //!
-//! Owns the reading of numbers from those bytes, whatever their layout. Sources: sensor_msgs (PointCloud2, PointField; the order is
+//! Owns the reading of numbers from those bytes, in any layout. Sources: sensor_msgs (PointCloud2, PointField; the order is
 //! the same in ROS 1 and ROS 2), livox_ros_driver2 (CustomMsg, CustomPoint).
 
 use std::borrow::Cow;
@@ -10,14 +10,14 @@ use super::{Cursor, DecodeError, Wire};
 /// Most fields of a point that are read; drivers have a dozen.
 pub const MAX_FIELDS: u32 = 64;
 
-/// `sensor_msgs/msg/PointCloud2`, or a driver's own cloud in the same words.
+/// `sensor_msgs/msg/PointCloud2`, or a driver's own cloud with the same fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cloud<'m> {
-    /// Rows: 1 where the cloud is not organised.
+    /// Rows: 1 if the cloud is not organised.
     pub height: u32,
     /// Columns; the number of points where the cloud is not organised.
     pub width: u32,
-    /// What a point holds.
+    /// The fields of a point.
     pub fields: Vec<Field<'m>>,
     /// Whether the numbers are big-endian.
     pub is_bigendian: bool,
@@ -27,7 +27,7 @@ pub struct Cloud<'m> {
     pub row_step: u32,
     /// The points.
     pub data: &'m [u8],
-    /// A time that the points' own count from, nanoseconds, where the message has one beside its header's.
+    /// The time from which the points' own times count, nanoseconds, if the message has one besides its header's.
     pub timebase_ns: Option<u64>,
 }
 
@@ -44,7 +44,7 @@ pub struct Field<'m> {
     pub count: u32,
 }
 
-/// What a number of a point is, `PointField.datatype`.
+/// The type of a number of a point, `PointField.datatype`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Datatype {
     /// 1.
@@ -96,7 +96,7 @@ impl Datatype {
     }
 }
 
-/// Where one number stands in every point.
+/// The place of one number in every point.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     offset: usize,
@@ -131,7 +131,7 @@ impl Column {
 }
 
 impl Cloud<'_> {
-    /// How many points it says that it has.
+    /// How many points it claims to have.
     pub fn points(&self) -> u64 {
         u64::from(self.height) * u64::from(self.width)
     }
@@ -141,7 +141,7 @@ impl Cloud<'_> {
         self.fields.iter().find(|field| field.name == name)
     }
 
-    /// Where the numbers of a field stand; `None` where there is no such field, or its type is unknown.
+    /// The place of the numbers of a field; `None` where there is no such field, or its type is unknown.
     pub fn column(&self, name: &str) -> Option<Column> {
         let field = self.field(name)?;
         Some(Column {
@@ -151,12 +151,12 @@ impl Cloud<'_> {
         })
     }
 
-    /// From one row to the next, bytes: rows do not overlap, whatever is stated.
+    /// From one row to the next, bytes: rows do not overlap, even if the message states a smaller step.
     fn row_bytes(&self) -> u64 {
         u64::from(self.row_step).max(u64::from(self.width) * u64::from(self.point_step))
     }
 
-    /// How many rows have a point in the data: what is stated may be anything.
+    /// How many rows have a point in the data: the stated number may be wrong.
     pub fn rows(&self) -> u32 {
         if self.width == 0 || self.point_step == 0 {
             return 0;
@@ -176,13 +176,13 @@ impl Cloud<'_> {
     }
 }
 
-/// Reads the rest of a `sensor_msgs/PointCloud2` behind its header.
+/// Reads the rest of a `sensor_msgs/PointCloud2` after its header.
 pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, DecodeError> {
     let [height, width] = [cursor.u32()?, cursor.u32()?];
     let (start, count) = (cursor.position(), cursor.sequence()?);
     if count > MAX_FIELDS {
         return Err(DecodeError(format!(
-            "{count} fields of a point at byte {start}; {MAX_FIELDS} are read at most"
+            "{count} fields of a point at byte {start}; at most {MAX_FIELDS} are read"
         )));
     }
     let fields = (0..count).map(|_| {
@@ -217,7 +217,7 @@ const LIVOX_FIELDS: [(&str, u32, u8); 7] = [
     ("line", 18, 2),
 ];
 
-/// Reads the rest of a `livox_ros_driver2/CustomMsg`, or `livox_ros_driver/CustomMsg`, behind its header.
+/// Reads the rest of a `livox_ros_driver2/CustomMsg`, or `livox_ros_driver/CustomMsg`, after its header.
 pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, DecodeError> {
     let timebase_ns = cursor.u64()?;
     let _said = cursor.u32()?;

@@ -1,4 +1,4 @@
-//! What a message says that matters to frames, whatever it was encoded in.
+//! The content of a message that matters to frames, in any encoding.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,9 +19,9 @@ pub const MAX_PATH: u32 = 10_000;
 pub struct Content<'m> {
     /// Its header, where the type has one.
     pub header: Option<Header<'m>>,
-    /// What it says beyond the header.
+    /// Its content beyond the header.
     pub body: Body<'m>,
-    /// What stands inside a type that is not a standard one, and says what a standard type would.
+    /// Parts of a type that is not a standard one, with the content of a standard type.
     pub members: Vec<Member<'m>>,
 }
 
@@ -36,27 +36,27 @@ impl<'m> Content<'m> {
     }
 }
 
-/// A part of a message that says what a message of a standard type would.
+/// A part of a message with the content of a standard type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member<'m> {
-    /// The field it stands in (`imu`, `sensors.imu`), or the fields it is made of (`lat, lon, alt`).
+    /// The field that contains it (`imu`, `sensors.imu`), or the fields it is made of (`lat, lon, alt`).
     pub field: Arc<str>,
-    /// Its own header; what that leaves empty, stamp or frame, is the message's.
+    /// Its own header; an empty stamp or frame is taken from the message's.
     pub header: Option<Header<'m>>,
-    /// What it says.
+    /// Its content.
     pub body: Body<'m>,
-    /// Whether only the names of plain fields say what this is, not a type.
+    /// Whether it was recognised by the names of plain fields only, not by a type.
     pub guessed: bool,
 }
 
-/// What a message says beyond its header.
+/// The content of a message beyond its header.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body<'m> {
     /// Nothing that is read.
     Nothing,
     /// Nothing but a child frame: the field `child_frame_id` of a type that is read by its definition.
     ChildFrame(Cow<'m, str>),
-    /// Transforms. Beside a header they are a message of one transform, not TF.
+    /// Transforms. With a header they are a message of one transform, not TF.
     Transforms(Vec<Transform<'m>>),
     /// Pose and twist of a body.
     Odometry(Box<Odometry<'m>>),
@@ -72,7 +72,7 @@ pub enum Body<'m> {
     Path(Vec<(i64, Pose)>),
     /// An orientation, `[x, y, z, w]`, not normalised: `geometry_msgs/QuaternionStamped`.
     Orientation([f64; 4]),
-    /// A vector, `geometry_msgs/Vector3Stamped`: what it measures is not said, but may be guessed from the topic.
+    /// A vector, `geometry_msgs/Vector3Stamped`: what it measures is not stated, but may be guessed from the topic.
     Vector([f64; 3]),
     /// A velocity with its covariance.
     Twist(Box<Twist>),
@@ -80,9 +80,9 @@ pub enum Body<'m> {
     CameraInfo(Box<CameraInfo<'m>>),
     /// A cloud of points.
     Cloud(Box<Cloud<'m>>),
-    /// An image, its bytes aside.
+    /// An image, without its bytes.
     Image(Image<'m>),
-    /// A grid, its cells aside.
+    /// A grid, without its cells.
     Grid(Box<Grid>),
     /// A scan of a plane.
     LaserScan(Box<LaserScan>),
@@ -90,7 +90,7 @@ pub enum Body<'m> {
     Radar(Box<Radar>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
-    /// A text that may be what a sensor says of itself.
+    /// A text that may be the metadata of a sensor.
     Metadata(Cow<'m, str>),
     /// Frames that it names beyond its header's (`foxglove.SceneUpdate`).
     Frames(Vec<Cow<'m, str>>),
@@ -138,7 +138,7 @@ pub struct Imu {
 /// numbers as published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fix {
-    /// `NavSatStatus.status`: -1 no fix, 0 fix, 1 SBAS, 2 GBAS; `GPSStatus.status` knows besides 18 DGPS, 19 RTK, 20 RTK
+    /// `NavSatStatus.status`: -1 no fix, 0 fix, 1 SBAS, 2 GBAS; `GPSStatus.status` also has 18 DGPS, 19 RTK, 20 RTK
     /// float, 33 WAAS. 0 where the type has no such field.
     pub status: i8,
     /// Degrees.
@@ -153,7 +153,7 @@ pub struct Fix {
     pub velocity: Option<[f64; 3]>,
 }
 
-/// A sentence of NMEA 0183 with its numbers as sent, units apart; what it leaves empty, or does not tell, is `None`.
+/// A sentence of NMEA 0183 with its numbers as sent, units apart; what it leaves empty, or does not contain, is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nmea {
     /// Which sentence.
@@ -167,7 +167,7 @@ pub struct Nmea {
     /// Height of mean sea level above the WGS 84 ellipsoid, metres.
     pub geoid_separation_m: Option<f64>,
     /// As GGA counts: 0 no fix, 1 GNSS, 2 differential, 3 precise, 4 RTK, 5 RTK float, 6 dead reckoning, 7 typed in,
-    /// 8 simulated. The letters of other sentences are told by these numbers.
+    /// 8 simulated. The letters of other sentences are converted to these numbers.
     pub quality: Option<u8>,
     /// Speed over ground, m/s.
     pub speed_m_s: Option<f64>,
@@ -175,9 +175,9 @@ pub struct Nmea {
     pub course_deg: Option<f64>,
     /// Degrees clockwise from true north.
     pub true_heading_deg: Option<f64>,
-    /// Degrees clockwise from magnetic north; of HDG with the deviation of the compass taken in.
+    /// Degrees clockwise from magnetic north; of HDG with the deviation of the compass included.
     pub magnetic_heading_deg: Option<f64>,
-    /// Magnetic north as seen from true north, degrees, east positive.
+    /// Direction of magnetic north from true north, degrees, east positive.
     pub variation_deg: Option<f64>,
 }
 
@@ -239,7 +239,7 @@ pub struct CameraInfo<'m> {
     pub r: [f64; 9],
     /// Projection of the rectified image, row-major 3x4, pixels; its fourth column pixels times metres.
     pub p: [f64; 12],
-    /// Pixels that are taken together, across and down; 0 is 1.
+    /// Pixels that are binned, horizontally and vertically; 0 is 1.
     pub binning: [u32; 2],
     /// The part that the images show.
     pub roi: Roi,
@@ -260,7 +260,7 @@ pub struct Roi {
     pub do_rectify: bool,
 }
 
-/// `nav_msgs/msg/OccupancyGrid` or `grid_map_msgs/msg/GridMap`, their cells aside.
+/// `nav_msgs/msg/OccupancyGrid` or `grid_map_msgs/msg/GridMap`, without their cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Side of a cell, metres.
@@ -271,7 +271,7 @@ pub struct Grid {
     pub position: [f64; 3],
     /// `[x, y, z, w]`, not normalised.
     pub orientation: [f64; 4],
-    /// How many cells follow, where they are one list.
+    /// How many cells follow, if they are one list.
     pub data: Option<u64>,
 }
 
@@ -287,7 +287,7 @@ impl Grid {
     }
 }
 
-/// `sensor_msgs/msg/Image`, its bytes aside.
+/// `sensor_msgs/msg/Image`, without its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image<'m> {
     /// Pixels.
@@ -307,16 +307,16 @@ pub struct LaserScan {
     pub time_increment: f64,
     /// From one scan to the next, seconds; NaN where the type has no such field.
     pub scan_time: f64,
-    /// The least and the largest range that counts, metres; NaN where the type does not say.
+    /// The smallest and the largest valid range, metres; NaN if the type does not have them.
     pub range: [f64; 2],
     /// Metres, ray by ray.
     pub ranges: Vec<f64>,
-    /// Where the plane lies in the frame of the message, where the type says it.
+    /// The pose of the plane in the frame of the message, if the type has it.
     pub pose: Option<Pose>,
 }
 
 impl LaserScan {
-    /// A scan whose rays are spread evenly from the first angle to the last, and that tells no times and no limits of ranges.
+    /// A scan whose rays are spread evenly from the first angle to the last, without times and limits of ranges.
     pub(super) fn spread(start: f64, end: f64, ranges: Vec<f64>, pose: Option<Pose>) -> Self {
         let steps = ranges.len().saturating_sub(1);
         let increment = if steps == 0 { 0.0 } else { (end - start) / steps as f64 };

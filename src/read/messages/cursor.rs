@@ -9,7 +9,7 @@ use super::{DecodeError, MAX_NAME};
 /// How the messages of a channel are laid out as bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
-    /// CDR with its encapsulation in front: byte order and version stand in the message.
+    /// CDR with its encapsulation in front: the message states byte order and version.
     Cdr,
     /// ROS 1: little endian, no padding, no encapsulation.
     Ros1,
@@ -39,7 +39,7 @@ impl Wire {
 pub struct Cursor<'a> {
     message: &'a [u8],
     at: usize,
-    /// Where alignment is counted from: behind the encapsulation.
+    /// Where alignment is counted from: after the encapsulation.
     origin: usize,
     /// What the encoding aligns to at most: 8 in CDR, 4 in CDR of version 2, 1 in ROS 1.
     largest: usize,
@@ -52,7 +52,7 @@ const ENCAPSULATION: usize = 4;
 
 impl<'a> Cursor<'a> {
     /// Opens a CDR message by its encapsulation header: plain CDR of version 1, which is what ROS 2 writes, or of
-    /// version 2. The forms for types that may grow (delimited, parameter list) are refused by name.
+    /// version 2. The forms for extensible types (delimited, parameter list) are refused by name.
     pub fn cdr(message: &'a [u8]) -> Result<Self, DecodeError> {
         let Some([k0, k1, _, _]) = message.first_chunk::<ENCAPSULATION>() else {
             return Err(DecodeError(format!(
@@ -66,8 +66,8 @@ impl<'a> Cursor<'a> {
             6 | 7 => 4,
             _ => {
                 let word = match kind {
-                    2 | 3 | 0xa | 0xb => "a parameter list, which is not read",
-                    8 | 9 => "delimited CDR, which is not read",
+                    2 | 3 | 0xa | 0xb => "a parameter list, which is not supported",
+                    8 | 9 => "delimited CDR, which is not supported",
                     _ => "not plain CDR (0x0000, 0x0001, 0x0006 or 0x0007)",
                 };
                 return Err(DecodeError(format!("encapsulation {kind:#06x} is {word}")));
@@ -198,8 +198,8 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// A string: its length, then its bytes. In CDR the length counts a closing NUL; writers that leave it out, or give
-    /// an empty string the length 0, are understood too.
+    /// A string: its length, then its bytes. In CDR the length counts a closing NUL; writers that omit it, or give
+    /// an empty string the length 0, are supported too.
     pub fn str(&mut self) -> Result<&'a str, DecodeError> {
         self.str_at().map(|(_, text)| text)
     }
@@ -231,12 +231,12 @@ impl<'a> Cursor<'a> {
         Ok(name)
     }
 
-    /// Passes over a string, whatever its bytes are.
+    /// Skips a string with any bytes.
     pub fn skip_str(&mut self) -> Result<(), DecodeError> {
         self.bytes().map(drop)
     }
 
-    /// Passes over `count` numbers of `size` bytes at once; no numbers need no padding.
+    /// Skips `count` numbers of `size` bytes at once; no numbers need no padding.
     pub fn skip_numbers(&mut self, size: usize, count: usize) -> Result<(), DecodeError> {
         if count == 0 {
             return Ok(());
@@ -252,7 +252,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// All bytes that are left, from the next multiple of `alignment` on, as the encoding aligns.
+    /// All remaining bytes, from the next multiple of `alignment` on, as the encoding aligns.
     pub fn rest(&self, alignment: usize) -> &'a [u8] {
         self.message.get(self.start_of(alignment)..).unwrap_or_default()
     }

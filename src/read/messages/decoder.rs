@@ -23,7 +23,7 @@ pub struct Decoder {
 enum Way {
     /// By its published layout.
     Standard(Wire, Standard),
-    /// A header and no more.
+    /// Only a header.
     Header(Wire),
     Foxglove(Box<foxglove::Reader>),
     /// By its definition.
@@ -36,9 +36,9 @@ enum Way {
 }
 
 impl Decoder {
-    /// Decides how the messages of a channel are read: the standard types by their published layout, where the
-    /// recording's definition does not say otherwise; any other by its definition, for its header and for what stands
-    /// in it that is known. The definition is the recording's own; else one of `definitions`.
+    /// Decides how the messages of a channel are read: the standard types by their published layout, unless the
+    /// recording's definition differs; any other type by its definition, for its header and for known types
+    /// in it. The definition is the recording's own; else one of `definitions`.
     pub fn of(format: &Format<'_>, definitions: &Definitions) -> Self {
         if let Some(reader) = foxglove::Reader::of(format) {
             return Self::new(reader.map_or_else(Way::unread, |reader| Way::Foxglove(Box::new(reader))));
@@ -77,9 +77,9 @@ impl Decoder {
         Self::new(Way::by_definition(wire, schema))
     }
 
-    /// A standard type that is defined otherwise than published: its header can still be read, its content cannot.
+    /// A standard type whose definition differs from the published one: its header can still be read, its content cannot.
     fn otherwise(name: &str, wire: Wire, schema: Schema) -> Self {
-        let differs = format!("its definition of {name} is not the published one");
+        let differs = format!("its definition of {name} differs from the published one");
         match Way::by_definition(wire, schema) {
             Way::Nothing => Self::new(Way::unread(differs)),
             Way::Unread { why, .. } => Self::new(Way::unread(format!("{differs}, and {why}"))),
@@ -107,7 +107,7 @@ impl Decoder {
         Self { way, note: None }
     }
 
-    /// Why nothing inside the messages can be read; `None` where they can, or hold nothing that is.
+    /// Why nothing inside the messages can be read; `None` if they can, or if they contain nothing to read.
     pub fn unread(&self) -> Option<&str> {
         match &self.way {
             Way::Unread { why, .. } => Some(why),
@@ -115,7 +115,7 @@ impl Decoder {
         }
     }
 
-    /// Whether the messages could be read if the package that defines them were at hand.
+    /// Whether the messages could be read with the package that defines them.
     pub fn lacks_definition(&self) -> bool {
         matches!(
             self.way,
@@ -126,7 +126,7 @@ impl Decoder {
         )
     }
 
-    /// What is left unread of messages whose header is read, where other messages of the type hold more.
+    /// What is not read of messages whose header is read, if other messages of the type contain more.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }

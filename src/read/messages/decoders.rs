@@ -1,6 +1,6 @@
-//! The decoders of a recording: made once for each type, however many channels carry it.
+//! The decoders of a recording: made once for each type, for all channels that carry it.
 //!
-//! Owns the bounds on what a hostile recording's definitions can make us do and keep.
+//! Owns the bounds on the work and memory that a hostile recording's definitions can cause.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use super::definition::Definitions;
 use super::format::Format;
 use super::standard::TopicWord;
 
-/// Bound on the fields that all decoders of a recording keep, each some hundred bytes. A decoder keeps only what stands
-/// before the header, which is nothing for nearly all types.
+/// Bound on the fields that all decoders of a recording keep, each some hundred bytes. A decoder keeps only the fields
+/// before the header; nearly all types have none.
 const MAX_FIELDS: usize = 300_000;
 /// Bound on decoders that are kept to be used again; large systems have some hundred types.
 const MAX_KEPT: usize = 10_000;
@@ -25,7 +25,7 @@ pub struct Decoders {
     fields: usize,
 }
 
-/// What decides how a channel is read: where its definition lies stands for the definition.
+/// What decides how a channel is read: the address of its definition identifies the definition.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Key {
     schema: usize,
@@ -36,7 +36,7 @@ struct Key {
 }
 
 impl Decoders {
-    /// With the definitions at hand where a recording carries none.
+    /// With the definitions that are available if a recording carries none.
     pub fn new(definitions: Arc<Definitions>) -> Self {
         Self {
             definitions,
@@ -61,7 +61,7 @@ impl Decoders {
         if self.fields > MAX_FIELDS {
             self.fields = self.fields.saturating_sub(decoder.fields());
             decoder = Decoder::refusing(format!(
-                "there are definitions with more than {MAX_FIELDS} fields before it"
+                "the definitions before it already have more than {MAX_FIELDS} fields"
             ));
         }
         if self.made.len() < MAX_KEPT {

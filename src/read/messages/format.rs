@@ -1,9 +1,9 @@
-//! What is known of the messages of a channel.
+//! What is known about the messages of a channel.
 
 use super::definition::plain_name;
 use super::standard::{Standard, TopicWord};
 
-/// What is known of the messages of a channel before the first one.
+/// What is known about the messages of a channel before the first one.
 #[derive(Clone, Copy, Debug)]
 pub struct Format<'a> {
     /// The topic: some types are read on certain topics only.
@@ -24,7 +24,7 @@ impl Format<'_> {
         TopicWord::of(self.topic)
     }
 
-    /// Whether the messages would say something that rules ask for, by the name of their type.
+    /// Whether the messages would contain something that rules need, by the name of their type.
     pub fn is_asked_for(&self) -> bool {
         let name = plain_name(self.message_type);
         Standard::of(&name, self.topic_word()).is_some() || name.starts_with("foxglove.")

@@ -1,4 +1,4 @@
-//! Plain fields whose names leave no doubt, in types that nobody publishes.
+//! Plain fields with unambiguous names, in types that no package publishes.
 //!
 //! Owns those names. What is found by them is a guess: it may be a target, or where another vehicle is.
 
@@ -12,7 +12,7 @@ use super::{Cursor, DecodeError, Wire};
 const LATITUDE: &[&str] = &["latitude", "lat"];
 const LONGITUDE: &[&str] = &["longitude", "lon", "lng", "long"];
 const ALTITUDE: &[&str] = &["altitude", "alt"];
-/// What stands behind a name where a direction is told apart: then the numbers are `ddmm.mmm` of NMEA 0183.
+/// Ending of a name if a separate field has the direction: then the numbers are `ddmm.mmm` of NMEA 0183.
 const DIRECTION: &[&str] = &["dir", "direction", "hemisphere", "hemi", "ns", "ew", "indicator"];
 /// The fields of an `Imu` with the type each has; `None` for a matrix.
 const INERTIAL: [(&str, Option<&str>, usize); 6] = [
@@ -25,7 +25,7 @@ const INERTIAL: [(&str, Option<&str>, usize); 6] = [
 ];
 const INERTIAL_NUMBERS: usize = 37;
 
-/// What some fields of a type say together.
+/// What several fields of a type mean together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Guess {
     is_imu: bool,
@@ -57,7 +57,7 @@ pub(super) struct Values {
     numbers: [f64; INERTIAL_NUMBERS],
 }
 
-/// What the fields of one type say, named with `prefix`; the types of the fields stand in `schema`.
+/// What the fields of one type mean, named with `prefix`; the types of the fields are in `schema`.
 pub(super) fn of(schema: &Schema, fields: &[Field], prefix: &str, wire: Wire) -> Vec<Guess> {
     [fix(fields), imu(schema, fields, wire)]
         .into_iter()
@@ -107,7 +107,7 @@ fn fix(fields: &[Field]) -> Option<Vec<(usize, Slot)>> {
     Some(slots)
 }
 
-/// How a coordinate is written, where its name and its form say the same.
+/// How a coordinate is written, if its name and its form agree.
 fn form(field: &Field, unit: &[String], is_altitude: bool) -> Option<Form> {
     let unit: Vec<&str> = unit.iter().map(String::as_str).collect();
     let is_plain = match unit.as_slice() {

@@ -10,7 +10,7 @@ use super::{Cursor, DecodeError, Wire};
 /// The header of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header<'a> {
-    /// `stamp`, nanoseconds of whatever clock the sender used.
+    /// `stamp`, nanoseconds of the sender's clock.
     pub stamp_ns: i64,
     /// `frame_id` as spelled.
     pub frame_id: Cow<'a, str>,

@@ -1,4 +1,4 @@
-//! What is inside messages: what they say about frames.
+//! The content of messages that concerns frames.
 //!
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
@@ -31,7 +31,7 @@ pub use cursor::{Cursor, Wire};
 /// Longest frame name that is read, bytes. Real ones have some ten or twenty; longer ones come from wrong bytes.
 pub const MAX_NAME: usize = 256;
 
-/// Why the bytes of a message do not decode.
+/// Why the bytes of a message cannot be decoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DecodeError(pub String);
 

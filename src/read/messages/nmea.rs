@@ -1,8 +1,8 @@
 //! Sentences of NMEA 0183 inside messages.
 //!
 //! Owns the fields of the sentences that are read. Written here, not taken from a crate: `nmea` 0.8 refuses GNS of more
-//! than two satellite systems and GGA of quality 9, drops a VTG's speed in km/h and knows neither HDG nor HDM, and our
-//! errors name the byte. Sources: IEC 61162-1; E. S. Raymond, NMEA Revealed (gpsd.gitlab.io/gpsd/NMEA.html).
+//! than two satellite systems and GGA of quality 9, drops a VTG's speed in km/h and knows neither HDG nor HDM, and the
+//! errors here name the byte. Sources: IEC 61162-1; E. S. Raymond, NMEA Revealed (gpsd.gitlab.io/gpsd/NMEA.html).
 
 use super::content::{Body, Nmea, Sentence};
 use super::{Cursor, DecodeError};
@@ -12,7 +12,7 @@ const MAX_FIELDS: usize = 24;
 /// m/s in a knot: 1852 m in an hour.
 const KNOT: f64 = 1852.0 / 3600.0;
 
-/// Reads a text at the cursor. Other sentences than those that are read, and other texts, say nothing.
+/// Reads a text at the cursor. Other sentences, and other texts, are ignored.
 pub(super) fn body<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let (at, text) = cursor.str_at()?;
     let nmea = sentence(text, at)?;
@@ -35,13 +35,13 @@ fn sentence(text: &str, at: usize) -> Result<Option<Nmea>, DecodeError> {
     let sum = data.bytes().fold(0, |sum, byte| sum ^ byte);
     let is_hex = said.len() == 2 && said.bytes().all(|digit| digit.is_ascii_hexdigit());
     if !is_hex || u8::from_str_radix(said, 16) != Ok(sum) {
-        let what = format!("the NMEA sentence at byte {at} does not end in its checksum {sum:02X}");
+        let what = format!("the NMEA sentence at byte {at} has a wrong checksum; it should be {sum:02X}");
         return Err(DecodeError(what));
     }
     Fields::of(data, at + 1).read(kind).map(Some)
 }
 
-/// Which sentence an address stands for: two letters for the sender, three for the sentence. Those of makers begin with P.
+/// The sentence of an address: two letters for the sender, three for the sentence. Proprietary ones begin with P.
 fn kind_of(address: &str) -> Option<Sentence> {
     if address.len() != 5 || !address.is_ascii() || address.starts_with('P') {
         return None;
@@ -107,7 +107,7 @@ impl<'t> Fields<'t> {
                 nmea.speed_m_s = self.number(7)?.map(|knots| knots * KNOT);
                 nmea.course_deg = self.number(8)?;
                 nmea.variation_deg = self.towards(10, "E", "W")?;
-                // Since version 2.3 a letter says more than the status, which is A for valid and V for not.
+                // Since version 2.3 a letter states more than the status, which is A for valid and V for not.
                 nmea.quality = match (self.text(2), self.mode(12)?) {
                     ("A", mode) => mode.or(Some(1)),
                     _ => Some(0),
@@ -131,7 +131,7 @@ impl<'t> Fields<'t> {
         Ok(nmea)
     }
 
-    /// A field; one that is left out is empty.
+    /// A field; a missing one is empty.
     fn text(&self, number: usize) -> &'t str {
         self.0.get(number).map_or("", |(_, text)| text)
     }
@@ -139,7 +139,7 @@ impl<'t> Fields<'t> {
     fn fault(&self, number: usize, wanted: &str) -> DecodeError {
         let at = self.0.get(number).map_or(0, |(at, _)| *at);
         DecodeError(format!(
-            "field {number} of an NMEA sentence, at byte {at}, is no {wanted}"
+            "field {number} of an NMEA sentence, at byte {at}, is not {wanted}"
         ))
     }
 
@@ -151,19 +151,19 @@ impl<'t> Fields<'t> {
         // `parse` takes `inf`, `nan` and `1e9`, too.
         let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.".contains(&byte));
         let value = text.parse::<f64>().ok().filter(|_| is_plain);
-        value.map(Some).ok_or_else(|| self.fault(number, "number"))
+        value.map(Some).ok_or_else(|| self.fault(number, "a number"))
     }
 
-    /// A number whose unit stands behind it, or nothing.
+    /// A number followed by its unit, or nothing.
     fn number_in(&self, number: usize, unit: &str) -> Result<Option<f64>, DecodeError> {
         let value = self.number(number)?;
         if value.is_some() && !["", unit].contains(&self.text(number + 1)) {
-            return Err(self.fault(number + 1, &format!("unit `{unit}`")));
+            return Err(self.fault(number + 1, &format!("the unit `{unit}`")));
         }
         Ok(value)
     }
 
-    /// A number behind which a letter says which way it counts.
+    /// A number followed by a letter for its direction.
     fn towards(&self, number: usize, plus: &str, minus: &str) -> Result<Option<f64>, DecodeError> {
         let Some(value) = self.number(number)? else {
             return Ok(None);
@@ -182,8 +182,8 @@ impl<'t> Fields<'t> {
         let (Some(latitude), Some(longitude)) = (latitude, longitude) else {
             return Ok(None);
         };
-        let latitude = degrees(latitude, 90.0).ok_or_else(|| self.fault(number, "latitude"))?;
-        let longitude = degrees(longitude, 180.0).ok_or_else(|| self.fault(number + 2, "longitude"))?;
+        let latitude = degrees(latitude, 90.0).ok_or_else(|| self.fault(number, "a latitude"))?;
+        let longitude = degrees(longitude, 180.0).ok_or_else(|| self.fault(number + 2, "a longitude"))?;
         Ok(Some([latitude, longitude]))
     }
 
@@ -196,18 +196,18 @@ impl<'t> Fields<'t> {
         let (minutes, seconds) = ((rest / 1e2).trunc(), rest % 1e2);
         let is_time = (0.0..24.0).contains(&hours) && minutes < 60.0 && (0.0..61.0).contains(&seconds);
         let time = is_time.then_some(hours * 3600.0 + minutes * 60.0 + seconds);
-        time.map(Some).ok_or_else(|| self.fault(number, "time"))
+        time.map(Some).ok_or_else(|| self.fault(number, "a time"))
     }
 
     fn digit(&self, number: usize) -> Result<Option<u8>, DecodeError> {
         match *self.text(number).as_bytes() {
             [] => Ok(None),
             [digit] if digit.is_ascii_digit() => Ok(Some(digit - b'0')),
-            _ => Err(self.fault(number, "digit")),
+            _ => Err(self.fault(number, "a digit")),
         }
     }
 
-    /// A quality told by letters, one for each satellite system: that of the first system with a fix.
+    /// A quality in letters, one for each satellite system: that of the first system with a fix.
     fn mode(&self, number: usize) -> Result<Option<u8>, DecodeError> {
         let mut mode = None;
         for letter in self.text(number).bytes() {
@@ -220,9 +220,9 @@ impl<'t> Fields<'t> {
                 b'E' => 6,
                 b'M' => 7,
                 b'S' => 8,
-                // C and U (caution, unsafe) are not to be used, as N.
+                // C and U (caution, unsafe) must not be used, like N.
                 b'N' | b'C' | b'U' => 0,
-                _ => return Err(self.fault(number, "mode")),
+                _ => return Err(self.fault(number, "a mode")),
             };
             mode = mode.filter(|known| *known > 0).or(Some(quality));
         }

@@ -1,7 +1,7 @@
-//! What radars say: detections, each with its place and how fast it comes or goes.
+//! The content of radar messages: detections, each with its position and radial speed.
 //!
 //! Owns the names that drivers give to the parts of a detection, and the order of the standard types' fields. What is found by
-//! names alone is a guess. Sources: radar_msgs (RadarScan, RadarReturn, RadarTracks, RadarTrack); ti_mmwave_rospkg (RadarScan, one
+//! names only is a guess. Sources: radar_msgs (RadarScan, RadarReturn, RadarTracks, RadarTrack); ti_mmwave_rospkg (RadarScan, one
 //! message a point); delphi_esr_msgs (EsrTrack: degrees, clockwise); continental_msgs of Nebula (detection lists); nuscenes2bag
 //! (vx, vy); smartmicro_ros2_radars (radial_speed); reve (v_doppler_mps).
 
@@ -21,7 +21,7 @@ pub const MAX_ECHOES: u32 = 2048;
 pub struct Radar {
     /// What the message is.
     pub form: Form,
-    /// What their speeds are called: `doppler_velocity`; `vx, vy`.
+    /// The names of their speeds: `doppler_velocity`; `vx, vy`.
     pub field: Arc<str>,
     /// What the speeds are.
     pub speeds: Speeds,
@@ -31,7 +31,7 @@ pub struct Radar {
     pub echoes: Vec<Echo>,
 }
 
-/// Which kind of message detections stand in.
+/// The kind of message that contains the detections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// `radar_msgs/RadarScan`, or a driver's own list.
@@ -44,12 +44,12 @@ pub enum Form {
     Cloud,
 }
 
-/// What a number that is called a speed is.
+/// The meaning of a number that is named a speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Speeds {
     /// Along the line of sight, by its name.
     Radial,
-    /// Called `velocity` or the like: along the line of sight, where it is a radar's.
+    /// Named `velocity` or similar: along the line of sight, if it is a radar's.
     Plain,
     /// Components along axes.
     Components,
@@ -126,7 +126,7 @@ const VY: &[&str] = &[
 ];
 const VZ: &[&str] = &["vz", "v_z", "vel_z", "velocity_z"];
 const NUMBER: &[&str] = &["id", "point_id", "track_id", "detection_id", "esr_track_id"];
-/// What only radars have, or hardly anything else.
+/// Fields of radars and of hardly anything else.
 const OF_A_RADAR: &[&str] = &[
     "rcs",
     "snr",
@@ -145,7 +145,7 @@ const OF_A_RADAR: &[&str] = &[
     "vx_comp",
 ];
 
-/// What nothing else has: a velocity beside these is no vehicle's.
+/// Fields of radars only: a velocity next to these is not a vehicle's.
 const OF_RADARS_ALONE: &[&str] = &["rcs", "snr", "doppler_bin", "dyn_prop", "ambig_state", "pdh0", "pdh00"];
 
 /// A name in small letters, its words apart: `rangeRate` is `range_rate`.
@@ -162,7 +162,7 @@ pub fn is_of_a_radar(name: &str) -> bool {
     is_one_of(&plain(name), OF_A_RADAR)
 }
 
-/// Reads the rest of a `radar_msgs/RadarScan` behind its header.
+/// Reads the rest of a `radar_msgs/RadarScan` after its header.
 pub(super) fn scan(cursor: &mut Cursor<'_>) -> Result<Radar, DecodeError> {
     let total = cursor.sequence()?;
     let every = total.div_ceil(MAX_ECHOES).max(1);
@@ -187,7 +187,7 @@ pub(super) fn scan(cursor: &mut Cursor<'_>) -> Result<Radar, DecodeError> {
     ))
 }
 
-/// Reads the rest of a `radar_msgs/RadarTracks` behind its header.
+/// Reads the rest of a `radar_msgs/RadarTracks` after its header.
 pub(super) fn tracks(cursor: &mut Cursor<'_>) -> Result<Radar, DecodeError> {
     let total = cursor.sequence()?;
     let every = total.div_ceil(MAX_ECHOES).max(1);
@@ -234,7 +234,7 @@ fn spherical(range: f64, azimuth: f64, elevation: f64) -> [f64; 3] {
 /// The columns of a cloud whose points have a speed.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// What the speeds are called.
+    /// The names of the speeds.
     pub field: Arc<str>,
     /// What they are.
     pub speeds: Speeds,
@@ -243,7 +243,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Those of a cloud; `None` where its points have no place or no speed.
+    /// Those of a cloud; `None` if its points have no position or no speed.
     pub fn of(cloud: &Cloud<'_>) -> Option<Self> {
         let place = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
         let named = |known: &[&str]| {
@@ -300,7 +300,7 @@ pub(super) struct Detection {
     pub(super) slots: Vec<(usize, Slot)>,
 }
 
-/// How angles are told.
+/// How angles are expressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Angle {
     Radians,
@@ -324,7 +324,7 @@ const ID: usize = 6;
 pub(super) type Numbers = [f64; NUMBERS];
 
 impl Detection {
-    /// The parts of a detection among the fields of a type; `None` where it has not all that make one, or several of one kind.
+    /// The parts of a detection among the fields of a type; `None` if parts are missing, or if there are several of one kind.
     pub(super) fn of(one: &Struct) -> Option<Self> {
         let names: Vec<String> = one.fields.iter().map(|field| plain(&field.name)).collect();
         let is_delphi = one.name == "delphi_esr_msgs/EsrTrack";
@@ -390,7 +390,7 @@ impl Detection {
         })
     }
 
-    /// What its speed is called.
+    /// The name of its speed.
     pub(super) fn field(&self) -> &Arc<str> {
         &self.field
     }
@@ -480,7 +480,7 @@ impl Slot {
 }
 
 impl Schema {
-    /// The type of a list's elements, and how a detection is read from one; `None` where they are none.
+    /// The type of a list's elements, and how a detection is read from one; `None` if they are not detections.
     pub(super) fn detections(&self, field: &Field) -> Option<(Detection, Vec<Field>)> {
         let Kind::Nested(index) = field.kind else { return None };
         let one = self.types.get(index).filter(|one| one.fault.is_none())?;
@@ -491,5 +491,5 @@ impl Schema {
     }
 }
 
-/// Fields of a detection that is looked at; Nebula's has 23.
+/// Fields of a detection that is read; Nebula's has 23.
 const MAX_FIELDS: usize = 200;

@@ -1,8 +1,8 @@
-//! The way through the messages of a type that is not known: to its header, its child frame, and what stands in it that
-//! is known.
+//! The way through the messages of a type that is not known: to its header, its child frame, and the known types
+//! in it.
 //!
 //! Owns what is wanted of such a type. Standard types count at most one type deep inside the message; inside of types
-//! that the standard packages publish, nothing is looked for: what those mean, their packages say.
+//! that the standard packages publish, nothing is looked for: their packages define their meaning.
 
 use std::sync::Arc;
 
@@ -17,10 +17,10 @@ use super::{Cursor, DecodeError, Wire};
 
 /// Bound on the members of a message; real drivers have some five.
 const MAX_MEMBERS: usize = 32;
-/// Bound on the fields of a type that is looked into.
+/// Bound on the fields of a type that is read.
 const MAX_INNER_FIELDS: usize = 1000;
 
-/// What is done with the fields of a message, one after the other, up to the last one that is wanted.
+/// What to do with the fields of a message, one after the other, up to the last one that is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Route {
     schema: Schema,
@@ -62,18 +62,18 @@ impl Route {
                 return Err(format!("its definition is not understood: {fault}"));
             }
             if named.is_some_and(|header| schema.holds(&header.name)) {
-                return Err("the std_msgs/Header that is defined with it is not the published one".to_owned());
+                return Err("its definition of std_msgs/Header differs from the published one".to_owned());
             }
         }
         let is_child =
             |field: &Field| field.name == "child_frame_id" && field.kind == Kind::Text && field.count == Count::One;
         let child = root.fields.iter().position(is_child).filter(|_| header.is_some());
-        // What stands behind a field of unknown size cannot be reached.
+        // Nothing after a field of unknown size can be read.
         let mut fields = root.fields.as_slice();
         let mut numbered = fields.iter().enumerate();
         if let Some((at, what)) = numbered.find_map(|(at, field)| Some((at, schema.impassable(field)?))) {
             if header.is_some_and(|header| at < header) {
-                return Err(format!("its header cannot be reached: {what}"));
+                return Err(format!("its header cannot be read: {what}"));
             }
             fields = fields.get(..at).unwrap_or_default();
         }
@@ -88,7 +88,7 @@ impl Route {
         };
         let looked_into = (!Definitions::is_standard(&root.name)).then(|| plan.guess(fields, ""));
         if looked_into.is_some() && fields.len() <= MAX_INNER_FIELDS {
-            // A detection without its header has no frame to be in.
+            // A detection without a header has no frame.
             let whole = || Detection::of(root).filter(|found| found.slots.iter().all(|(at, _)| *at < fields.len()));
             plan.detection = header.and_then(|_| whole());
         }
@@ -127,7 +127,7 @@ impl Route {
             + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
     }
 
-    /// Whether the message is read by its header alone, which stands first.
+    /// Whether the message is read by its header alone, which comes first.
     pub(super) fn is_header_alone(&self, wire: Wire) -> bool {
         let has_seq = wire == Wire::Ros1;
         self.items == [Item::Header { has_seq }]
@@ -189,7 +189,7 @@ impl Route {
     }
 }
 
-/// Takes what a member's header leaves empty from the message's own: drivers fill in only one of the two.
+/// Fills empty parts of a member's header from the message's own: drivers fill in only one of the two.
 fn fill<'m>(inner: &mut Option<Header<'m>>, outer: &Header<'m>) {
     let header = inner.get_or_insert_with(|| outer.clone());
     if header.stamp_ns == 0 {
@@ -200,7 +200,7 @@ fn fill<'m>(inner: &mut Option<Header<'m>>, outer: &Header<'m>) {
     }
 }
 
-/// A route that is being laid.
+/// A route that is being planned.
 struct Plan<'s> {
     schema: &'s Schema,
     wire: Wire,
@@ -230,7 +230,7 @@ impl Plan<'_> {
         }));
     }
 
-    /// Notes what the plain fields of a type say together.
+    /// Notes what the plain fields of a type mean together.
     fn guess(&mut self, fields: &[Field], prefix: &str) -> Guessed {
         let mut guessed = Vec::new();
         for guess in guess::of(self.schema, fields, prefix, self.wire) {
@@ -286,7 +286,7 @@ impl Plan<'_> {
         self.inside(inner, field);
     }
 
-    /// Looks into a type in the message; passes over it as a whole where there is nothing in it.
+    /// Reads a type in the message; skips it as a whole if there is nothing in it.
     fn inside(&mut self, inner: &Struct, field: &Field) {
         let (before, wanted) = (self.items.len(), self.wanted);
         let prefix = format!("{}.", field.name);
@@ -302,7 +302,7 @@ impl Plan<'_> {
 }
 
 impl Schema {
-    /// Leaves only the types that are passed over, and no names.
+    /// Keeps only the types that are skipped, and no names.
     fn passed_by(mut self, items: &[Item]) -> Self {
         let nested = |field: &Field| match field.kind {
             Kind::Nested(index) => Some(index),
@@ -343,7 +343,7 @@ impl Schema {
         self.root().is_some_and(|root| root.fields.iter().any(named))
     }
 
-    /// Why a field cannot be passed over: something in it has a size that is not known.
+    /// Why a field cannot be skipped: something in it has an unknown size.
     fn impassable(&self, field: &Field) -> Option<String> {
         let mut seen = vec![false; self.types.len()];
         let mut to_look = vec![&field.kind];

@@ -7,7 +7,7 @@
 use super::content::{Body, CameraInfo, Grid, Image, LaserScan, MAX_DISTORTION, Roi};
 use super::{Cursor, DecodeError};
 
-/// Reads the rest of a `sensor_msgs/CameraInfo` behind its header.
+/// Reads the rest of a `sensor_msgs/CameraInfo` after its header.
 pub(super) fn camera_info<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let [height, width] = [cursor.u32()?, cursor.u32()?];
     let model = cursor.name()?;
@@ -30,18 +30,18 @@ pub(super) fn camera_info<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, Decod
     })))
 }
 
-/// Coefficients of a distortion.
+/// Distortion coefficients.
 fn coefficients(cursor: &mut Cursor<'_>) -> Result<Vec<f64>, DecodeError> {
     let (start, count) = (cursor.position(), cursor.u32()?);
     if count > MAX_DISTORTION {
         return Err(DecodeError(format!(
-            "{count} coefficients of a distortion at byte {start}; models have {MAX_DISTORTION} at most"
+            "{count} distortion coefficients at byte {start}; models have at most {MAX_DISTORTION}"
         )));
     }
     (0..count).map(|_| cursor.f64()).collect()
 }
 
-/// Reads a `sensor_msgs/Image` behind its header, as far as its bytes.
+/// Reads a `sensor_msgs/Image` after its header, as far as its bytes.
 pub(super) fn image<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let [height, width] = [cursor.u32()?, cursor.u32()?];
     Ok(Body::Image(Image {
@@ -51,7 +51,7 @@ pub(super) fn image<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
     }))
 }
 
-/// Reads a `nav_msgs/OccupancyGrid` behind its header, as far as the count of its cells.
+/// Reads a `nav_msgs/OccupancyGrid` after its header, as far as the count of its cells.
 pub(super) fn occupancy_grid<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     cursor.time()?;
     Ok(Body::Grid(Box::new(Grid {
@@ -63,7 +63,7 @@ pub(super) fn occupancy_grid<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, De
     })))
 }
 
-/// Reads a `grid_map_msgs/GridMap` behind its header, as far as its pose.
+/// Reads a `grid_map_msgs/GridMap` after its header, as far as its pose.
 pub(super) fn grid_map<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     let [resolution_m, along_x_m, along_y_m] = cursor.f64s()?;
     Ok(Body::Grid(Box::new(Grid {
@@ -75,12 +75,12 @@ pub(super) fn grid_map<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeEr
     })))
 }
 
-/// Reads a `sensor_msgs/LaserScan` behind its header, as far as its ranges.
+/// Reads a `sensor_msgs/LaserScan` after its header, as far as its ranges.
 pub(super) fn laser_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     scan(cursor, Cursor::u32, Cursor::f32)
 }
 
-/// The same of a `sensor_msgs/MultiEchoLaserScan`: the first echo of each ray, and not a number where there is none.
+/// The same of a `sensor_msgs/MultiEchoLaserScan`: the first echo of each ray, and NaN where there is none.
 pub(super) fn multi_echo_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
     scan(cursor, Cursor::sequence, |cursor| {
         let echoes = cursor.u32()?;
@@ -100,7 +100,7 @@ fn scan<'m>(
     let [time_increment, scan_time] = [of()?, of()?];
     let range = [of()?, of()?];
     let count = count(cursor)?;
-    // Nothing is set aside for the number that a message claims.
+    // No memory is reserved for the number that a message claims.
     let ranges = (0..count).map(|_| range_of(cursor).map(f64::from));
     Ok(Body::LaserScan(Box::new(LaserScan {
         angles,

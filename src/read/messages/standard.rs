@@ -1,4 +1,4 @@
-//! The standard types whose content is read: which they are, and what stands in them.
+//! The standard types whose content is read: which they are, and what they contain.
 //!
 //! Owns their names. Must not know definitions: whether a type is laid out as published is decided elsewhere.
 
@@ -47,19 +47,19 @@ pub(super) enum Standard {
     Clock,
 }
 
-/// What a topic's name says about the texts on it.
+/// What a topic's name shows about the texts on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TopicWord {
     /// They are robot descriptions.
     Description,
-    /// They may be what a sensor says of itself.
+    /// They may be the metadata of a sensor.
     Metadata,
     /// They are sentences of NMEA 0183.
     Nmea,
 }
 
 impl TopicWord {
-    /// By the last part of the topic, wherever it stands.
+    /// By the last part of the topic.
     pub(super) fn of(topic: &str) -> Option<Self> {
         let last = topic.rsplit('/').next().unwrap_or(topic);
         let begins = |word: &str| {
@@ -157,7 +157,7 @@ impl Standard {
         Ok(Content::new(None, body))
     }
 
-    /// Reads what stands behind the header, for the types that begin with one.
+    /// Reads what follows the header, for the types that begin with one.
     pub(super) fn body<'m>(self, cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
         match self {
             Self::Odometry => bodies::odometry(cursor),

@@ -22,7 +22,7 @@ pub struct Transform<'a> {
     pub rotation: [f64; 4],
 }
 
-/// The transforms of a message, in order. Nothing is set aside for the number that a message claims; the first error
+/// The transforms of a message, in order. No memory is reserved for the number that a message claims; the first error
 /// ends the sequence.
 #[derive(Clone, Debug)]
 pub struct Transforms<'a> {

@@ -1,4 +1,4 @@
-//! Walks over the bytes of a message by its definition: what has no name here is only passed over.
+//! Walks over the bytes of a message by its definition: fields without a name here are only skipped.
 //!
 //! Owns what a definition's fields take up. Nothing is copied. Bounded against definitions that nest without end: the
 //! steps of a message are a multiple of its bytes.
@@ -6,10 +6,10 @@
 use super::definition::{Count, Field, Kind, Schema};
 use super::{Cursor, DecodeError, Wire};
 
-/// Bound on types inside each other.
+/// Bound on nested types.
 const MAX_DEPTH: usize = 64;
 /// Steps a message may take for each of its bytes, and in any case. A byte of a real message takes one step for each
-/// type it stands in.
+/// type that contains it.
 const STEPS_PER_BYTE: usize = 8;
 const STEPS: usize = 256;
 
@@ -19,17 +19,17 @@ pub(super) struct Walk<'s> {
     steps: usize,
 }
 
-/// A type that is being passed over.
+/// A type that is being skipped.
 struct Frame {
     index: usize,
     /// Its next field.
     field: usize,
-    /// How often it is still to be passed, this time included.
+    /// How often it is still to be skipped, this time included.
     left: u32,
 }
 
 impl<'s> Walk<'s> {
-    /// A walk from the begin of a message, over fields whose types stand in `schema`.
+    /// A walk from the begin of a message, over fields whose types are in `schema`.
     pub(super) fn new(schema: &'s Schema, cursor: &Cursor<'_>) -> Self {
         let steps = cursor
             .message_len()
@@ -38,7 +38,7 @@ impl<'s> Walk<'s> {
         Self { schema, steps }
     }
 
-    /// Passes over a field, however deep it goes.
+    /// Skips a field of any depth.
     pub(super) fn pass(&mut self, cursor: &mut Cursor<'_>, field: &Field) -> Result<(), DecodeError> {
         let mut stack = Vec::new();
         Self::begin(cursor, field, &mut stack)?;
@@ -51,7 +51,7 @@ impl<'s> Walk<'s> {
                 Self::begin(cursor, field, &mut stack)?;
                 continue;
             }
-            // ROS 2 gives a type without fields one byte, because IDL knows no empty structs.
+            // ROS 2 gives a type without fields one byte, because IDL has no empty structs.
             if fields.is_empty() && cursor.wire() == Wire::Cdr {
                 cursor.skip_numbers(1, 1)?;
             }
@@ -64,7 +64,7 @@ impl<'s> Walk<'s> {
         Ok(())
     }
 
-    /// Passes over a field at once, or puts its type on the stack.
+    /// Skips a field at once, or puts its type on the stack.
     fn begin(cursor: &mut Cursor<'_>, field: &Field, stack: &mut Vec<Frame>) -> Result<(), DecodeError> {
         let is_number = matches!(field.kind, Kind::Number(_));
         let count = match field.count {
@@ -88,7 +88,7 @@ impl<'s> Walk<'s> {
                 cursor.skip_str()
             }),
             Kind::Nested(_) if stack.len() >= MAX_DEPTH => Err(DecodeError(format!(
-                "more than {MAX_DEPTH} types inside each other at byte {}",
+                "types are nested more than {MAX_DEPTH} deep at byte {}",
                 cursor.position()
             ))),
             Kind::Nested(index) => {
@@ -110,7 +110,7 @@ impl<'s> Walk<'s> {
         self.steps = self.steps.checked_sub(1).ok_or_else(|| {
             let at = cursor.position();
             DecodeError(format!(
-                "the definition asks for more at byte {at} than the message can hold"
+                "the definition requires more at byte {at} than the message can contain"
             ))
         })?;
         Ok(())

@@ -1,4 +1,4 @@
-//! Names of fields as words.
+//! Splits names of fields into words.
 
 /// The words of a name in small letters: `Lat_deg`, `latDeg`.
 pub(super) fn words(name: &str) -> Vec<String> {

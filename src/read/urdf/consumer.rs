@@ -1,6 +1,6 @@
-//! The second opinion: what urdf-rs, a parser that consumers use, makes of the same text.
+//! The second opinion: how urdf-rs, a parser that consumers use, reads the same text.
 //!
-//! Owns the guards around it: it is written for friendly input.
+//! Owns the guards around it: it is written for trusted input.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -10,14 +10,14 @@ use super::known;
 use super::plain;
 use super::xml::Element;
 
-/// Nesting at which urdf-rs is no longer asked: it recurses, and its stack is not ours to size.
+/// Nesting beyond which urdf-rs is not run: it recurses, and the size of its stack cannot be set here.
 const DEEPEST: usize = 100;
 
-/// Size at which it is no longer asked, bytes: it takes thirty times the text for a moment. The largest known robots have a tenth of it.
+/// Size beyond which it is not run, bytes: it briefly takes thirty times the text. The largest known robots have a tenth of it.
 const LARGEST: usize = 2_000_000;
 
-/// Asks urdf-rs about the robot, without looks and without what urdfdom ignores: neither habits of XML nor foreign
-/// elements are held against the file.
+/// Parses the robot with urdf-rs, without visuals and without what urdfdom ignores: neither the style of the XML nor foreign
+/// elements count as faults.
 pub(super) fn ask(root: &Element<'_>) -> ConsumerOpinion {
     let (text, depth) = without_foreign(root);
     if depth >= DEEPEST {
@@ -33,8 +33,8 @@ pub(super) fn ask(root: &Element<'_>) -> ConsumerOpinion {
     }
 }
 
-/// What it says, in one line. Attributes of one element come to it in no order, so that which of two faulty ones it counts is by chance:
-/// the count is left out.
+/// Its message, in one line. It gets the attributes of one element in random order, and may count either of two faulty ones:
+/// the count is removed.
 fn words(error: &str) -> String {
     let line = one_line(error);
     match line.split_once(", expected ") {
@@ -43,7 +43,7 @@ fn words(error: &str) -> String {
     }
 }
 
-/// The elements that a consumer reads and that leave a doubt, without the blanks between them: urdf-rs refuses files
+/// The elements that a consumer reads and that are not plain, without the whitespace between them: urdf-rs refuses files
 /// for a material written twice, or for an `<origin>` inside of a `<geometry>`, urdfdom does not; and it reads each
 /// character three times. With the deepest nesting of the text.
 fn without_foreign(root: &Element<'_>) -> (String, usize) {
@@ -93,11 +93,11 @@ fn without_foreign(root: &Element<'_>) -> (String, usize) {
 fn stays(parent: &Element<'_>, child: &Element<'_>) -> bool {
     let name = child.name();
     match parent.name() {
-        // urdf-rs reads links, joints and materials, and does not ask whether the links of a joint are there.
+        // urdf-rs reads links, joints and materials, and does not check whether the links of a joint exist.
         "robot" => name == "joint" || (name == "link" && !plain::is_plain_link(child)),
         "link" if plain::is_plain(child) => false,
         "joint" if plain::is_plain_in_joint(child) => false,
-        // A shape that urdf-rs does not know is worth its words.
+        // urdf-rs reports a shape that it does not know.
         "geometry" => !matches!(name, "origin" | "material"),
         parent => known::reads(parent, name) && name != "material",
     }

@@ -1,4 +1,4 @@
-//! Joints, and the claim that each makes: `parent_from_child` at the joint's zero position.
+//! Joints, and the claim of each: `parent_from_child` at the joint's zero position.
 
 use nalgebra::UnitQuaternion;
 
@@ -25,8 +25,8 @@ const SINGLE: [&str; 9] = [
 ];
 
 impl Reader<'_> {
-    /// Reads a `<joint>`. A conditional one (inside of a xacro condition) is known by its names, but claims nothing:
-    /// which of several alternatives holds is open.
+    /// Reads a `<joint>`. A conditional one (inside of a xacro condition) contributes its names, but no claim:
+    /// which of several alternatives applies is not known.
     pub(super) fn joint(&mut self, element: &Element<'_>, conditional: bool) {
         let joint = Joint {
             name: placed(element, "name"),
@@ -69,7 +69,7 @@ impl Reader<'_> {
             match child.name() {
                 "origin" => {
                     let origin = self.origin(&child);
-                    // There is one, and a hundred thousand joints.
+                    // There is one such list, and a hundred thousand joints.
                     joint.origins.reserve_exact(1);
                     joint.origins.push(origin);
                     continue;
@@ -118,7 +118,7 @@ impl Reader<'_> {
             frames: Some((FrameId::new(parent.value.as_str()), FrameId::new(child.value.as_str()))),
             label: joint.name.value.clone(),
             pose: read.pose,
-            // URDF defines what is not written as zero: a joint always states a whole transform.
+            // In URDF, missing numbers are zero: a joint always states a whole transform.
             has_rotation: true,
             has_translation: true,
             spelling: read.spelling,
@@ -138,12 +138,12 @@ impl Reader<'_> {
     }
 }
 
-/// The link that an end of a joint names; an end without a name is none.
+/// The link that an end of a joint names; `None` if it has no name.
 fn end(element: &Element<'_>, which: &str) -> Option<Placed<String>> {
     attribute(&element.child(which)?, "link")
 }
 
-/// Whether a joint's transform waits for xacro: in its numbers, or as a block that a macro inserts.
+/// Whether a joint's transform needs xacro: in its numbers, or as a block that a macro inserts.
 fn origin_waits(joint: &Element<'_>) -> bool {
     let is_block = |name: &str| name.starts_with("xacro:") || name == "insert_block";
     joint.children().any(|child| {
@@ -152,7 +152,7 @@ fn origin_waits(joint: &Element<'_>) -> bool {
     })
 }
 
-/// The numbers of an origin as a claim holds them.
+/// The numbers of an origin in the form of a claim.
 struct Numbers {
     pose: Option<Pose>,
     spelling: Spelling,
@@ -174,7 +174,7 @@ impl Numbers {
         }
     }
 
-    /// The numbers of an origin. A quaternion beside `rpy` counts only where consumers would read it.
+    /// The numbers of an origin. A quaternion next to `rpy` counts only if consumers read it.
     fn of(origin: &Origin, reads_quaternions: bool) -> Self {
         let xyz = Vector::<3>::of(origin.xyz.as_ref());
         let quaternion = origin
@@ -219,7 +219,7 @@ fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> Option<Pose> {
 
 /// `N` numbers of a list.
 struct Vector<const N: usize> {
-    /// The numbers, where a consumer can read them; zeros where the attribute is missing.
+    /// The numbers, if a consumer can read them; zeros where the attribute is missing.
     sound: Option<[f64; N]>,
     /// The numbers as far as they are written; NaN for the rest.
     written: [f64; N],

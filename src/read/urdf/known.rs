@@ -1,8 +1,8 @@
 //! Names that consumers of URDF read, and those that are probably misspelt.
 //!
 //! Owns the table of what urdfdom reads (urdf_parser/src/{link,joint,pose,model}.cpp, URDF 1.2), the names of other
-//! tools that real files carry, and the measure of nearness. A name is said to be meant only where the right one is
-//! missing: an extra name beside the right one takes nothing away.
+//! tools that real files carry, and the measure of similarity. A name is suggested only if it is
+//! missing: an extra name next to the right one does no harm.
 
 use std::collections::BTreeSet;
 
@@ -17,9 +17,9 @@ struct Known {
     attributes: &'static [&'static str],
     /// Elements inside that are read.
     elements: &'static [&'static str],
-    /// Those of them that may stand there any number of times.
+    /// Those of them that may occur any number of times.
     many: &'static [&'static str],
-    /// Names of other tools or of older formats, by intent and ignored: never a misspelling.
+    /// Names of other tools or of older formats, intended and ignored: never a misspelling.
     foreign: &'static [&'static str],
     /// Names that are taken for a known one, beyond spelling: `(written, meant)`.
     aliases: &'static [(&'static str, &'static str)],
@@ -33,7 +33,7 @@ const NOTHING: Known = Known {
     aliases: &[],
 };
 
-/// What is read of the elements that the reader looks into.
+/// What is read of the elements that the reader knows.
 static KNOWN: &[(&str, Known)] = &[
     (
         "robot",
@@ -199,7 +199,7 @@ static KNOWN: &[(&str, Known)] = &[
         "axis",
         Known {
             attributes: &["xyz"],
-            // Written by exporters beside `xyz`, and read by nobody.
+            // Written by exporters next to `xyz`, and read by no parser.
             foreign: &["rpy"],
             ..NOTHING
         },
@@ -251,14 +251,14 @@ static KNOWN: &[(&str, Known)] = &[
     ),
 ];
 
-/// The names in `element` that a consumer silently ignores. At the top of a robot only those with a near name are
-/// told: whole worlds of other tools live there.
+/// The names in `element` that a consumer silently ignores. At the top of a robot only those similar to a known name are
+/// listed: many elements of other tools are there.
 pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
     let parent = element.name();
     let Some((_, known)) = KNOWN.iter().find(|(name, _)| *name == parent) else {
         return Vec::new();
     };
-    // Nearly every element is spelled right: it costs no list.
+    // Nearly every element is spelled right and needs no list.
     if element.attribute_names().all(|name| known.attributes.contains(&name))
         && element.children().all(|child| known.elements.contains(&child.name()))
     {
@@ -301,7 +301,7 @@ pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
     found
 }
 
-/// Whether a consumer reads elements of this name inside of `parent`; true where the reader does not look inside.
+/// Whether a consumer reads elements of this name inside of `parent`; true if the reader does not read its content.
 pub(super) fn reads(parent: &str, name: &str) -> bool {
     KNOWN
         .iter()
@@ -309,7 +309,7 @@ pub(super) fn reads(parent: &str, name: &str) -> bool {
         .is_none_or(|(_, known)| known.elements.contains(&name))
 }
 
-/// Longest name that is compared: the distance costs the product of the lengths.
+/// Longest name that is compared: the time is the product of the lengths.
 const LONGEST: usize = 32;
 
 /// The known name that `written` is probably meant to be.
@@ -332,7 +332,7 @@ fn meant(
         .map(|(_, name)| name)
 }
 
-/// Damerau-Levenshtein distance where it is small for the length, 0 for the same letters in another order or case.
+/// Damerau-Levenshtein distance if it is small for the length, 0 for the same letters in another order or case.
 fn nearness(written: &str, name: &str) -> Option<usize> {
     let sorted = |text: &str| {
         let mut letters: Vec<char> = text.to_lowercase().chars().collect();

@@ -75,7 +75,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A single number, if it is there and a consumer can read it.
+    /// A single number, if it exists and a consumer can read it.
     fn number(&mut self, element: &Element<'_>, name: &str) -> Option<f64> {
         let list = self.numbers(element, name, 1)?;
         list.array::<1>().map(|[value]| value)
@@ -148,7 +148,7 @@ impl Reader<'_> {
     }
 }
 
-/// The numbers of an origin as a pose; `None` where they make none.
+/// The numbers of an origin as a pose; `None` if they are not a pose.
 fn pose_of(origin: &Origin) -> Option<Pose> {
     let list = |numbers: &Option<NumberList>| match numbers {
         None => Some([0.0; 3]),

@@ -1,13 +1,13 @@
-//! Whether the mesh files that a robot refers to are there.
+//! Whether the mesh files that a robot refers to exist.
 //!
-//! Owns the ways a URDF names a file. Looks only whether a file exists; never opens one.
+//! Owns the ways a URDF names a file. Checks only whether a file exists; never opens one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::source::MeshFile;
 
-/// Where meshes are looked for.
+/// Where meshes are searched.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshLookup {
     /// The folder of the URDF; `None` for a text without one (out of a recording).
@@ -17,13 +17,13 @@ pub struct MeshLookup {
 }
 
 impl MeshLookup {
-    /// Whether the file is there; `None` where that cannot be decided: a package outside of the input, a scheme that
+    /// Whether the file exists; `None` if that cannot be decided: a package outside of the input, a scheme that
     /// names no file, a path that was not expanded.
     pub fn found(&self, filename: &str) -> Option<bool> {
         self.path(filename).map(|path| path.is_file())
     }
 
-    /// The file, where it is there.
+    /// The file, if it exists.
     pub fn file(&self, filename: &str) -> Option<MeshFile> {
         let path = self.path(filename)?;
         let bytes = path.metadata().ok()?.len();

@@ -1,7 +1,7 @@
 //! URDF: robots with every number, name and place as it was written.
 //!
 //! Owns the way from a text to a `Robot`, its claims and its frame names. Reads what urdfdom would read, keeps what
-//! it would ignore, and judges nothing: rules do.
+//! it would ignore. Rules judge.
 
 mod consumer;
 mod joint;
@@ -32,7 +32,7 @@ pub fn read(source: &mut Source, meshes: &MeshLookup) -> Facts {
     read_as(source, meshes, false)
 }
 
-/// Reads what is written out in a xacro file, without expanding it: links and joints with literal names, outside of
+/// Reads the elements of a xacro file that need no expansion: links and joints with literal names, outside of
 /// macros and inside, and claims of joints whose numbers are literal.
 pub(crate) fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
     read_as(source, meshes, true)
@@ -74,7 +74,7 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
     }
     let repaired = repair::repair(text);
     if let Some(span) = repaired.entity {
-        let message = "declares an XML entity: readers of URDF do not expand it".to_owned();
+        let message = "declares an XML entity, which URDF parsers do not expand".to_owned();
         let help = Some("write the value where it is used, or use a xacro property".to_owned());
         add(ReadStatus::Unreadable, Place::text(id, span), message, help);
         return Facts::default();
@@ -87,20 +87,21 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
     let shift = match xml::top(&repaired, xacro) {
         Top::Robot(second) => {
             if let Some(span) = second {
-                let message = "a second element stands behind `</robot>`: consumers read the first one only".to_owned();
+                let message = "a second element follows `</robot>`: URDF parsers read only the first".to_owned();
                 add(ReadStatus::Partial, Place::text(id, span), message, None);
             }
             0
         }
         Top::Fragment => {
-            let message = "no `<robot>` around these elements: a part that another file includes".to_owned();
+            let message =
+                "there is no `<robot>` around these elements: probably a part that another file includes".to_owned();
             fragment = fragment.or_else(|| Some("a part without `<robot>`".to_owned()));
             if !xacro {
                 let place = repaired
                     .tops
                     .first()
                     .map_or(Place::whole(id), |(_, span)| Place::text(id, *span));
-                let help = "name the file that includes it; only what is written out here was read".to_owned();
+                let help = "check the file that includes it; only elements written out here were read".to_owned();
                 add(ReadStatus::Partial, place, message, Some(help));
             }
             WRAP.len()
@@ -128,7 +129,7 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
     read_root(&Element::root(&document, text), meshes, fragment, &mut add)
 }
 
-/// Reads a description from its root element on. `fragment` says why it is not a whole robot, where that is known.
+/// Reads a description from its root element on. `fragment` states why it is not a whole robot, if it is not.
 fn read_root(
     root: &Element<'_>,
     meshes: &MeshLookup,
@@ -138,7 +139,8 @@ fn read_root(
     if fragment.is_none()
         && let Some((reason, place)) = reader::xacro_sign(root)
     {
-        let help = "expand it with `xacro`, or name it `.xacro`; only what is written out was read".to_owned();
+        let help = "expand it with `xacro`, or rename it to `.xacro`; only elements that need no expansion were read"
+            .to_owned();
         add(ReadStatus::Partial, place, reason.clone(), Some(help));
         fragment = Some(reason);
     }

@@ -1,8 +1,8 @@
-//! Numbers of attributes, read as urdfdom reads them, and said plainly where it cannot.
+//! Numbers of attributes, read as urdfdom reads them, with a plain message where it cannot.
 //!
-//! The yardstick: urdfdom splits a vector at blanks (U+0020) and reads each piece with the C++ stream of the classic
-//! locale; the piece must end with the number. NaN and infinities are kept as values: whether they are right is a
-//! matter of rules. Must not know elements.
+//! The reference: urdfdom splits a vector at spaces (U+0020) and reads each piece with the C++ stream of the classic
+//! locale; the piece must end with the number. NaN and infinities are kept as values: rules decide whether they are
+//! right. Must not know elements.
 
 use crate::source::{Placed, Span};
 use crate::world::claim::Literal;
@@ -28,10 +28,10 @@ pub(super) fn number_list(attribute: &Attribute<'_>, expected: usize) -> NumberL
     }
 }
 
-/// Most pieces that are looked at; no attribute has more than six numbers.
+/// Most pieces that are read; no attribute has more than six numbers.
 const MOST: usize = 64;
 
-/// The pieces between blanks, tabs and line ends.
+/// The pieces between spaces, tabs and line ends.
 fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
     let text = attribute.value.as_ref();
     let mut literals = Vec::with_capacity(3);
@@ -48,7 +48,7 @@ fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
                 literals.push(Literal {
                     text: piece.into(),
                     value: number(piece).unwrap_or(f64::NAN),
-                    // With references inside, pieces have no bytes of their own.
+                    // With references inside, pieces have no span of their own.
                     span: if attribute.verbatim {
                         Span::new(attribute.span.start + from, attribute.span.start + at)
                     } else {
@@ -70,7 +70,7 @@ fn number(piece: &str) -> Option<f64> {
 
 fn malformed(text: &str, literals: &[Literal], expected: usize) -> Option<String> {
     if is_unexpanded(text) {
-        return Some("an expression that was never expanded (xacro or launch) stands where numbers should".to_owned());
+        return Some("there is an unexpanded expression (xacro or launch) instead of numbers".to_owned());
     }
     if literals.is_empty() {
         return Some(format!("the attribute is empty; {} needed", count(expected)));
@@ -80,13 +80,13 @@ fn malformed(text: &str, literals: &[Literal], expected: usize) -> Option<String
         return Some(not_a_number(&bad.text, literals, expected));
     }
     if literals.len() >= MOST {
-        return Some(format!("{MOST} numbers or more are given, {expected} needed"));
+        return Some(format!("{MOST} or more numbers are given, {expected} needed"));
     }
     if literals.len() != expected {
         return Some(format!("{} given, {expected} needed", count(literals.len())));
     }
     unreadable_blank(text, expected).map(|blank| {
-        format!("{blank} beside a number: urdfdom separates numbers by blanks only and refuses the attribute")
+        format!("{blank} next to a number: urdfdom splits numbers at spaces only and refuses the attribute")
     })
 }
 
@@ -111,21 +111,21 @@ fn not_a_number(bad: &str, literals: &[Literal], expected: usize) -> String {
     }
     if bad.contains([',', ';']) && bad.split([',', ';']).all(|piece| piece.is_empty() || is_number(piece)) {
         let mark = if bad.contains(',') { "comma" } else { "semicolon" };
-        return format!("`{bad}`: a {mark} between numbers; separate them by blanks");
+        return format!("`{bad}`: a {mark} between numbers; separate them by spaces");
     }
     if let Some(odd) = bad.chars().find(|c| !c.is_ascii()) {
         let code = u32::from(odd);
         return match odd {
             '\u{2212}' | '\u{2010}'..='\u{2015}' => {
-                format!("`{bad}` is not a number: U+{code:04X} stands where a minus sign should")
+                format!("`{bad}` is not a number: U+{code:04X} instead of a minus sign")
             }
-            _ => format!("`{}` is not a number: it holds U+{code:04X}", bad.escape_default()),
+            _ => format!("`{}` is not a number: it contains U+{code:04X}", bad.escape_default()),
         };
     }
     format!("`{bad}` is not a number")
 }
 
-/// A blank that urdfdom's splitting does not survive.
+/// Whitespace that urdfdom's splitting does not handle.
 fn unreadable_blank(text: &str, expected: usize) -> Option<&'static str> {
     let is_plain = |byte: u8| expected > 1 && !matches!(byte, b'\t' | b'\n' | b'\r');
     if text.bytes().all(is_plain) {
@@ -134,7 +134,7 @@ fn unreadable_blank(text: &str, expected: usize) -> Option<&'static str> {
     let blank = |c: char| match c {
         '\t' => Some("a tab"),
         '\n' | '\r' => Some("a line end"),
-        ' ' => Some("a blank behind"),
+        ' ' => Some("a trailing space"),
         _ => None,
     };
     let trailing = |piece: &str| {

@@ -1,6 +1,6 @@
-//! Looks, inertias and limits that are written by the book: every consumer reads them, so no second opinion is needed.
+//! Visuals, inertias and limits in standard form: every consumer reads them, so no second opinion is needed.
 //!
-//! Owns the grammar of what is plain. Whatever deviates is not plain; nothing here
+//! Owns the grammar of the plain form. Any deviation is not plain; nothing here
 //! is a judgement.
 
 use super::xml::Element;
@@ -20,7 +20,7 @@ pub(super) fn is_plain_link(link: &Element<'_>) -> bool {
     holds(link, &[("name", 0)], &[]) && link.children().all(|child| is_plain(&child))
 }
 
-/// Whether a child of a joint says nothing about frames and is written by the book. Tree and origin are always asked.
+/// Whether a child of a joint has no frames and the plain form. Tree and origin always get a second opinion.
 pub(super) fn is_plain_in_joint(element: &Element<'_>) -> bool {
     let (required, optional): (&[_], &[_]) = match element.repaired_name() {
         "axis" => (&[("xyz", 3)], &[]),
@@ -31,7 +31,7 @@ pub(super) fn is_plain_in_joint(element: &Element<'_>) -> bool {
     element.children().next().is_none() && holds(element, required, optional)
 }
 
-/// Whether a child of a link is written by the book.
+/// Whether a child of a link has the plain form.
 pub(super) fn is_plain(element: &Element<'_>) -> bool {
     match element.repaired_name() {
         "inertial" => has_exactly(element, &["mass", "inertia"], &["origin"], |child| {
@@ -45,7 +45,7 @@ pub(super) fn is_plain(element: &Element<'_>) -> bool {
             match child.repaired_name() {
                 "geometry" => is_plain_geometry(child),
                 "origin" => is_plain_origin(child),
-                // Colours and textures are left out of the opinion anyway.
+                // Colours and textures are not part of the second opinion.
                 _ => true,
             }
         }),
@@ -105,7 +105,7 @@ fn holds(element: &Element<'_>, required: &[(&str, usize)], optional: &[(&str, u
     met == required.len()
 }
 
-/// Whether a value is `count` finite numbers with single blanks between them; any text where `count` is 0.
+/// Whether a value is `count` finite numbers with single spaces between them; any text if `count` is 0.
 fn is_numbers(value: &str, count: usize) -> bool {
     count == 0 || (value.split(' ').count() == count && value.split(' ').all(is_finite))
 }

@@ -1,4 +1,4 @@
-//! The walk over a robot's elements, and what it gathers.
+//! The walk over a robot's elements, and the facts that it gathers.
 //!
 //! Owns the order of reading, frame names and the signs of xacro. Links and joints have files of their own.
 
@@ -23,7 +23,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader for the robot of `root`; `fragment` says why the text cannot be the whole robot.
+    /// A reader for the robot of `root`; `fragment` states why the text cannot be the whole robot.
     pub(super) fn new(
         root: &Element<'_>,
         source: SourceId,
@@ -76,17 +76,17 @@ impl<'a> Reader<'a> {
         self.is_fragment() && (name.starts_with("xacro:") || matches!(name, "macro" | "if" | "unless" | "group"))
     }
 
-    /// Whether only a part is read: numbers and names may wait for their expansion.
+    /// Whether only a part is read: numbers and names may not be expanded yet.
     pub(super) fn is_fragment(&self) -> bool {
         self.robot.fragment.is_some()
     }
 
-    /// Whether a text waits for its expansion.
+    /// Whether a text is not expanded yet.
     pub(super) fn waits(&self, text: &str) -> bool {
         self.is_fragment() && is_unexpanded(text)
     }
 
-    /// An attribute of `expected` numbers, if it is there and written out. Malformed ones are kept aside as well.
+    /// An attribute of `expected` numbers, if it exists and needs no expansion. Malformed ones are also kept separately.
     pub(super) fn numbers(&mut self, element: &Element<'_>, name: &str, expected: usize) -> Option<NumberList> {
         let attribute = element.attribute(name)?;
         if self.waits(&attribute.value) {
@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
         Some(list)
     }
 
-    /// An `<origin>`, with all that may be wrong about it.
+    /// An `<origin>`, with its faults.
     pub(super) fn origin(&mut self, element: &Element<'_>) -> Origin {
         self.note_ignored(element);
         let xyz = self.numbers(element, "xyz", 3);
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
             && self.reads_quaternions()
             && list.malformed.is_none()
         {
-            list.malformed = Some("`rpy` and `quat_xyzw` are both given: consumers refuse the pair".to_owned());
+            list.malformed = Some("`rpy` and `quat_xyzw` are both given: URDF parsers refuse the pair".to_owned());
             self.robot.malformed.push(list.clone());
         }
         if let Some(attribute) = element.attribute("quat_xyzw").filter(|_| !self.reads_quaternions()) {
@@ -118,7 +118,7 @@ impl<'a> Reader<'a> {
                 what: "attribute".to_owned(),
                 name: Placed::new(attribute.name.to_owned(), attribute.name_place),
                 parent: element.name().to_owned(),
-                // Spelled right; the robot's version is too low for it.
+                // Spelled correctly, but the robot's version is too low for it.
                 meant: None,
             });
         }
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
         self.robot.ignored.extend(known::ignored(element));
     }
 
-    /// Keeps the elements named `names` of which more than one stands in `element`.
+    /// Keeps the elements named `names` that occur more than once in `element`.
     pub(super) fn note_repeated(&mut self, element: &Element<'_>, names: &[&str], owner: impl Display) {
         if element.children().nth(1).is_none() {
             return;
@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
     /// Frames that simulator elements name: `<gazebo reference>`, the parent of a `<sensor>`, and the frame that a
     /// simulated sensor stamps its messages with.
     fn simulator_frames(&mut self, root: &Element<'_>) {
-        // `<gazebo reference>` may name a joint as well as a link: a joint's name is no frame.
+        // `<gazebo reference>` may name a joint as well as a link: a joint's name is not a frame.
         let links: BTreeSet<String> = self.robot.links.iter().map(|link| link.name.value.clone()).collect();
         let joints = self.robot.joints.iter().map(|joint| joint.name.value.clone());
         let joints_only: BTreeSet<String> = joints.filter(|name| !links.contains(name)).collect();
@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
                     in_sensor(&element)
                         .then(|| element.words().map(|(name, place)| Placed::new(name, place)))
                         .flatten()
-                        // Gazebo's own origin, which contact sensors report in: no frame of the robot.
+                        // Gazebo's own origin, in which contact sensors report: not a frame of the robot.
                         .filter(|name| name.value != "world")
                 }
                 _ => None,
@@ -223,7 +223,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Pushes the elements inside so that the first is popped first.
+/// Pushes the child elements so that the first is popped first.
 fn push_children<'a>(stack: &mut Vec<(Element<'a>, bool)>, element: &Element<'a>, conditional: bool) {
     let inside: Vec<_> = element.children().map(|child| (child, conditional)).collect();
     stack.extend(inside.into_iter().rev());
@@ -234,7 +234,7 @@ pub(super) fn placed(element: &Element<'_>, name: &str) -> Placed<String> {
     attribute(element, name).unwrap_or_else(|| Placed::new(String::new(), element.tag_place()))
 }
 
-/// The value of an attribute, if it is there.
+/// The value of an attribute, if it exists.
 pub(super) fn attribute(element: &Element<'_>, name: &str) -> Option<Placed<String>> {
     element.attribute(name).map(|attribute| {
         let place = attribute.place();
@@ -262,7 +262,7 @@ fn local(name: &str) -> &str {
     name.strip_prefix("xacro:").unwrap_or(name)
 }
 
-/// Why a `.urdf` is xacro in truth and cannot be judged as it stands; and where that shows.
+/// Why a `.urdf` is really a xacro and cannot be judged unexpanded; and the place that shows it.
 pub(super) fn xacro_sign(root: &Element<'_>) -> Option<(String, Place)> {
     let mut any_xacro = false;
     for element in root.descendants() {
@@ -271,7 +271,7 @@ pub(super) fn xacro_sign(root: &Element<'_>) -> Option<(String, Place)> {
         any_xacro |= name.starts_with("xacro:");
         if parent == "robot" && name.starts_with("xacro:") && !matches!(local(name), "property" | "arg") {
             return Some((
-                format!("holds `<{name}>`, which only xacro expands"),
+                format!("contains `<{name}>`, which only xacro expands"),
                 element.name_place(),
             ));
         }
@@ -281,10 +281,10 @@ pub(super) fn xacro_sign(root: &Element<'_>) -> Option<(String, Place)> {
             _ => None,
         };
         if let Some(named) = named.filter(|named| is_unexpanded(&named.value)) {
-            return Some((format!("the name `{}` was never expanded", named.value), named.place()));
+            return Some((format!("the name `{}` is not expanded", named.value), named.place()));
         }
     }
-    // With macros about, an expression in a number is xacro's, not a slip.
+    // In a file with macros, an expression in a number is xacro's, not a typo.
     let first = || {
         root.descendants()
             .flat_map(|element| element.attributes())
@@ -292,7 +292,7 @@ pub(super) fn xacro_sign(root: &Element<'_>) -> Option<(String, Place)> {
     };
     let attribute = any_xacro.then(first).flatten()?;
     Some((
-        format!("`{}` was never expanded: this is xacro", attribute.value),
+        format!("`{}` is not expanded: this is a xacro file", attribute.value),
         attribute.place(),
     ))
 }

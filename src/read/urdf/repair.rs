@@ -1,13 +1,13 @@
-//! Makes the XML that real URDF files hold digestible for a strict parser, byte for byte: every repair keeps the
+//! Repairs the XML of real URDF files for a strict parser, byte for byte: every repair keeps the
 //! length of the text, so that spans of the repaired text are spans of the original.
 //!
-//! The yardstick is tinyxml2, which urdfdom reads with: it takes any version in the declaration, a declaration after
-//! blank lines, prefixes that nobody declares, `--` in comments, bare `&` and `<` in values, a NUL as the end of the
+//! The reference is tinyxml2, which urdfdom uses: it accepts any version in the declaration, a declaration after
+//! empty lines, undeclared prefixes, `--` in comments, bare `&` and `<` in values, a NUL as the end of the
 //! text, and ignores what follows the first root element. Must not know URDF beyond the name `robot`.
 
 use crate::source::Span;
 
-/// A text that a strict parser can take, and what the repair saw on the way.
+/// A text that a strict parser accepts, and what the repair found.
 #[derive(Debug, Default)]
 pub(super) struct Repaired {
     /// The text, of the same length as the original. Colons in names are underscores: read names from the original.
@@ -16,7 +16,7 @@ pub(super) struct Repaired {
     pub(super) tops: Vec<(String, Span)>,
     /// The first entity declaration of a document type, where a value refers to an entity of it.
     pub(super) entity: Option<Span>,
-    /// The first thing that no robot description has so much of: its place, and what is too much. Reading stops there.
+    /// The first excess that no real robot description has: its place, and what is too much. Reading stops there.
     pub(super) excess: Option<(Span, String)>,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn is_part(name: &str) -> bool {
     matches!(name, "link" | "joint")
 }
 
-/// Longest name of an element or attribute, and longest value that names something, bytes: findings repeat names.
+/// Longest name of an element or attribute, and longest value that is a name, bytes: findings repeat names.
 pub(super) const LONGEST_NAME: usize = 1000;
 
 /// Longest reference to a character or a predefined entity that is looked for (`#x10FFFF`), with some leading zeros.
@@ -84,7 +84,7 @@ impl Lexer<'_> {
         self.text.as_bytes().get(at).copied().unwrap_or(0)
     }
 
-    /// Offset of `needle` at or behind `from`.
+    /// Offset of `needle` at or after `from`.
     fn find(&self, from: usize, needle: &str) -> Option<usize> {
         Some(from + self.text.get(from..)?.find(needle)?)
     }
@@ -102,7 +102,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// Replaces a range by blanks, keeping line ends so that a parser's line numbers stay right.
+    /// Replaces a range by spaces, keeping line ends so that a parser's line numbers stay right.
     fn blank(&mut self, range: std::ops::Range<usize>) {
         for byte in self.out.get_mut(range).into_iter().flatten() {
             if *byte != b'\n' {
@@ -129,7 +129,7 @@ impl Lexer<'_> {
             } else {
                 self.start_tag(open)
             };
-            // An unfinished piece of markup: the parser behind will say so, at its place.
+            // An unfinished piece of markup: the parser will report it, at its place.
             let Some(next) = next else { return };
             at = next;
         }
@@ -218,9 +218,7 @@ impl Lexer<'_> {
         self.elements += 1;
         self.parts += usize::from(is_part(&name));
         if self.elements > MOST_ELEMENTS || self.parts > MOST_PARTS {
-            let what = format!(
-                "there are more than {MOST_ELEMENTS} elements, or {MOST_PARTS} links and joints, which would take more memory than one file is given"
-            );
+            let what = format!("there are more than {MOST_ELEMENTS} elements, or {MOST_PARTS} links and joints");
             self.report.excess = Some((Span::new(open, open + 1), what));
             return None;
         }
@@ -231,7 +229,7 @@ impl Lexer<'_> {
         loop {
             at = self.skip_blanks(at);
             match self.byte(at) {
-                // Markup inside a tag: the tag was never closed. The parser behind says where.
+                // Markup inside a tag: the tag was never closed. The parser reports where.
                 0 | b'<' => return None,
                 b'>' => {
                     self.open += 1;
@@ -254,7 +252,7 @@ impl Lexer<'_> {
         Some(at + 1)
     }
 
-    /// One attribute from `at`; the offset behind it.
+    /// One attribute from `at`; returns the offset after it.
     fn attribute(&mut self, at: usize) -> Option<usize> {
         let end = self.name(at, self.text.len());
         if end - at > LONGEST_NAME {
@@ -299,8 +297,8 @@ impl Lexer<'_> {
         None
     }
 
-    /// A name from `at`: its colons become underscores. The offset behind it, at least the next character boundary
-    /// where it is empty is left to the caller.
+    /// A name from `at`: its colons become underscores. Returns the offset after it; the caller
+    /// must go on to the next character boundary if it is empty.
     fn name(&mut self, at: usize, limit: usize) -> usize {
         let mut end = at;
         while end < limit {
@@ -321,7 +319,7 @@ impl Lexer<'_> {
         at
     }
 
-    /// An element opens at the top; whether reading goes on. For tinyxml2, text before the first one is no part of the
+    /// An element opens at the top; returns whether reading continues. For tinyxml2, text before the first one is not part of the
     /// document, and for urdfdom neither is what follows a robot.
     fn top(&mut self, open: usize, name: &str) -> bool {
         if self.report.tops.is_empty() {

@@ -1,6 +1,6 @@
 //! XML elements with the names, values and places of the text as it was written.
 //!
-//! Owns the way from a text to elements, and spans. Must not know URDF beyond what may stand at the top of a file.
+//! Owns the way from a text to elements, and spans. Must not know URDF beyond the possible roots of a file.
 
 use std::borrow::Cow;
 
@@ -10,14 +10,14 @@ use crate::source::{LineIndex, Place, SourceId, Span};
 
 use super::repair::{self, Repaired};
 
-/// What stands at the top of a text.
+/// The root of a text.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Top {
-    /// One `<robot>`; the span of a second element behind it, which consumers do not read.
+    /// One `<robot>`; the span of a second element after it, which consumers do not read.
     Robot(Option<Span>),
     /// Parts of a robot without `<robot>` around them.
     Fragment,
-    /// Something else: what it is, where, and what to do.
+    /// Something else: what it is, its place, and what to do.
     Other(String, Option<Span>, Option<String>),
 }
 
@@ -42,7 +42,7 @@ const PARTS: [&str; 14] = [
 /// Judges the top of a text by its elements. A xacro file may have any root: the one of the including file counts.
 pub(super) fn top(repaired: &Repaired, xacro: bool) -> Top {
     let Some((name, span)) = repaired.tops.first() else {
-        return Top::Other("holds no XML element".to_owned(), None, None);
+        return Top::Other("contains no XML element".to_owned(), None, None);
     };
     if name == "robot" {
         return Top::Robot(repaired.tops.get(1).map(|(_, span)| *span));
@@ -53,7 +53,10 @@ pub(super) fn top(repaired: &Repaired, xacro: bool) -> Top {
     }
     let (what, help) = match name.to_lowercase().as_str() {
         "sdf" | "gazebo" | "world" | "model" => ("an SDF file", Some("convert it to URDF, or leave it out")),
-        "launch" => ("a launch file", Some("name the robot description that it loads")),
+        "launch" => (
+            "a launch file",
+            Some("check the robot description that it loads instead"),
+        ),
         "mujoco" => ("a MuJoCo model", Some("convert it to URDF, or leave it out")),
         "package" => ("a package manifest", None),
         "collada" => ("a COLLADA mesh", None),
@@ -62,27 +65,27 @@ pub(super) fn top(repaired: &Repaired, xacro: bool) -> Top {
             Some("download the raw file"),
         ),
         "robot" => (
-            "no robot description to a consumer, who looks for `<robot>` in lower case",
+            "not a robot description for URDF parsers, which require `<robot>` in lower case",
             None,
         ),
         _ if xacro && repaired.tops.len() == 1 => return Top::Robot(None),
-        _ => ("no robot description", None),
+        _ => ("not a robot description", None),
     };
     Top::Other(
-        format!("the root element is `<{name}>`: this is {what}, and a URDF opens with `<robot>`"),
+        format!("the root element is `<{name}>`: this is {what}; a URDF begins with `<robot>`"),
         Some(*span),
         help.map(str::to_owned),
     )
 }
 
-/// The original text that elements stand in.
+/// The original text of the elements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Text<'a> {
-    /// Whose text it is.
+    /// The source of the text.
     pub(super) source: SourceId,
     /// As it was written.
     pub(super) original: &'a str,
-    /// How many bytes were put in front of it for the parser.
+    /// How many bytes were prepended for the parser.
     pub(super) shift: usize,
 }
 
@@ -103,14 +106,14 @@ impl<'a> Text<'a> {
 pub(super) struct Fault {
     /// Where the parser stopped.
     pub(super) span: Span,
-    /// In its words.
+    /// Its message.
     pub(super) message: String,
 }
 
-/// Longest piece of a text without a `>`, bytes, that is parsed unseen: parsing a tag costs the square of its attributes.
+/// Longest piece of a text without a `>`, bytes, that is parsed without a check: the time for a tag grows with the square of its attributes.
 const LONGEST_TAG: usize = 8192;
 
-/// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
+/// Parses a text that needs no repair; `None` if a strict parser refuses it, or could take too long.
 pub(in crate::read) fn parse_strict(text: &str) -> Option<Document<'_>> {
     let (mut pieces, mut start) = (0, 0);
     for end in memchr::memchr_iter(b'>', text.as_bytes()).chain([text.len()]) {
@@ -121,7 +124,7 @@ pub(in crate::read) fn parse_strict(text: &str) -> Option<Document<'_>> {
         start = end + 1;
     }
     let document = Document::parse(text).ok()?;
-    // What is too long is said by the repair, with its place.
+    // The repair reports what is too long, with its place.
     let is_short = |node: Node<'_, '_>| {
         node.tag_name().name().len() <= repair::LONGEST_NAME
             && node
@@ -136,7 +139,7 @@ pub(in crate::read) fn parse_strict(text: &str) -> Option<Document<'_>> {
     is_usual.then_some(document)
 }
 
-/// Parses a repaired text (with `text.shift` bytes put in front).
+/// Parses a repaired text (with `text.shift` bytes prepended).
 pub(super) fn parse<'t>(repaired: &'t str, text: Text<'_>) -> Result<Document<'t>, Fault> {
     let options = ParsingOptions {
         allow_dtd: false,
@@ -151,7 +154,7 @@ pub(super) fn parse<'t>(repaired: &'t str, text: Text<'_>) -> Result<Document<'t
             .get(line..)
             .map_or(0, |rest| rest.chars().take(columns).map(char::len_utf8).sum());
         let at = match error {
-            // The parser blames the beginning; what is missing is missing at the end.
+            // The parser reports the beginning, but the end is what is missing.
             roxmltree::Error::UnclosedRootNode => repaired.trim_end().len().saturating_sub(1),
             _ => line + within,
         };
@@ -183,7 +186,7 @@ fn boundary(text: &str, span: Span) -> Span {
 pub(super) struct Attribute<'a> {
     /// Its name, with its prefix.
     pub(super) name: &'a str,
-    /// Where the name stands.
+    /// The place of the name.
     pub(super) name_place: Place,
     /// The value, with references resolved.
     pub(super) value: Cow<'a, str>,
@@ -195,7 +198,7 @@ pub(super) struct Attribute<'a> {
 }
 
 impl Attribute<'_> {
-    /// Where the value stands.
+    /// The place of the value.
     pub(super) fn place(&self) -> Place {
         Place::text(self.source, self.span)
     }
@@ -233,7 +236,7 @@ impl<'a> Element<'a> {
         self.text.span(start..start + length)
     }
 
-    /// Where the name stands.
+    /// The place of the name.
     pub(super) fn name_place(&self) -> Place {
         Place::text(self.text.source, self.name_span())
     }
@@ -259,7 +262,7 @@ impl<'a> Element<'a> {
         Place::text(self.text.source, Span::new(whole.start, end))
     }
 
-    /// Writes `<name a="1"` as it stands in the repaired text, without the blanks between attributes and without
+    /// Writes `<name a="1"` as in the repaired text, without the whitespace between attributes and without
     /// attributes of other namespaces.
     pub(super) fn write_start(&self, out: &mut String) {
         let input = self.node.document().input_text();
@@ -275,14 +278,14 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Names and values of the attributes as the parser gives them, without places.
+    /// Names and values of the attributes as parsed, without places.
     pub(super) fn plain_attributes(&self) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
         self.node
             .attributes()
             .map(|attribute| (attribute.name(), attribute.value()))
     }
 
-    /// The name as it stands in the repaired text.
+    /// The name as in the repaired text.
     pub(super) fn repaired_name(&self) -> &'a str {
         self.node.tag_name().name()
     }
@@ -317,7 +320,7 @@ impl<'a> Element<'a> {
         let span = text.span(attribute.range_value());
         let raw = text.slice(span);
         let repaired = input.get(attribute.range_value()).unwrap_or_default();
-        // References are resolved; what was repaired stands for itself.
+        // References are resolved; repaired text is taken as it is.
         let referring = memchr::memchr(b'&', raw.as_bytes()).is_some() && repaired == raw;
         let name = text.span(attribute.range_qname());
         Attribute {
@@ -363,7 +366,7 @@ impl<'a> Element<'a> {
         self.node.parent_element().map(|node| Element { node, text })
     }
 
-    /// The text directly inside, without blanks around, with its place.
+    /// The text directly inside, without surrounding whitespace, with its place.
     pub(super) fn words(&self) -> Option<(String, Place)> {
         let node = self.node.children().find(Node::is_text)?;
         let span = self.text.span(node.range());

@@ -1,4 +1,4 @@
-//! Copies of a xacro file and of all that it includes, in which every element says where it is written; and the way back from an expansion
+//! Copies of a xacro file and of its includes, in which every element states where it is written; and the way back from an expansion
 //! of them to these places.
 //!
 //! Owns the marks. An element that is not marked (of a file whose name is an expression, made by `xacro:element`) has the place of the
@@ -19,13 +19,13 @@ use crate::source::{Place, SourceId, Span, Written};
 /// The attribute that is the mark: `file:offset`.
 const MARK: &str = "frames-lint-at";
 
-/// Files that are copied; what is included beyond them has no places.
+/// Files that are copied; further included files have no places.
 const MOST_FILES: usize = 500;
 
 /// Larger files are not copied, bytes.
 const LARGEST: u64 = 8 * 1024 * 1024;
 
-/// A file that a xacro is written in.
+/// A file that contains xacro.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
     /// Where it is.
@@ -34,7 +34,7 @@ pub struct Template {
     pub text: String,
 }
 
-/// The marked copies of a file, the first, and of those that it includes. They are gone with this value.
+/// The marked copies of a file, the first, and of those that it includes. They are deleted with this value.
 pub(super) struct Copies {
     folder: Temporary,
     templates: Vec<Template>,
@@ -42,7 +42,7 @@ pub(super) struct Copies {
 }
 
 impl Copies {
-    /// `None` where the file cannot be copied, or is no XML.
+    /// `None` where the file cannot be copied, or is not XML.
     pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>, allowed: &AllowedFolders) -> Option<Self> {
         let mut copies = Self {
             folder: Temporary::folder().ok()?,
@@ -62,7 +62,7 @@ impl Copies {
         Some(copies)
     }
 
-    /// What stands for the file itself. It includes the copy, for `xacro-rs` reads what is included at once, and the first file byte by byte.
+    /// A file in place of the original. It includes the copy, for `xacro-rs` reads what is included at once, and the first file byte by byte.
     pub(super) fn top(&self) -> PathBuf {
         self.folder.path().join("top.xacro")
     }
@@ -87,7 +87,7 @@ impl Copies {
         let mut text = String::new();
         let file = fs::File::open(path).ok()?;
         file.take(LARGEST).read_to_string(&mut text).ok()?;
-        // The texts of inputs are without this mark: places would be off by it.
+        // The texts of inputs do not have this mark; places would be shifted by it.
         if text.starts_with('\u{feff}') {
             return None;
         }
@@ -99,7 +99,7 @@ impl Copies {
         Some(self.templates.len() - 1)
     }
 
-    /// The text of a copy: marked, with the copies of what it includes, and with folders for the packages that are at hand.
+    /// The text of a copy: marked, with the copies of what it includes, and with folders for the available packages.
     fn marked(&mut self, index: usize, template: &Template, packages: &BTreeMap<String, PathBuf>) -> Option<String> {
         let document = urdf::parse_strict(&template.text)?;
         let mut edits: BTreeMap<usize, (usize, String)> = BTreeMap::new();
@@ -163,7 +163,7 @@ impl Copies {
         spelled_open(&path)
     }
 
-    /// A text that names copies, with the files in their place.
+    /// A text that names copies, with the names of the original files.
     pub(super) fn with_files(&self, text: &str) -> String {
         let mut text = text.replace(&*self.top().to_string_lossy(), &self.path(0).to_string_lossy());
         for (index, template) in self.templates.iter().enumerate().rev() {
@@ -192,7 +192,7 @@ impl Copies {
     }
 }
 
-/// `text` up to the start tag of its root, and what lies in the root by including the file of the text; the whole of it where nothing can be
+/// `text` up to the start tag of its root, and the content of the root by including the file of the text; the whole text if nothing can be
 /// included.
 fn included_by(text: &str, path: &Path) -> Option<String> {
     let document = urdf::parse_strict(text)?;
@@ -214,7 +214,7 @@ fn included_by(text: &str, path: &Path) -> Option<String> {
     ))
 }
 
-/// A path as it stands in an attribute; `None` where it would need to be quoted.
+/// A path for an attribute; `None` if it would need to be quoted.
 fn spelled(path: &Path) -> Option<String> {
     let path = path.to_str()?;
     (!path.contains('$')).then(|| spelled_open(Path::new(path)))?

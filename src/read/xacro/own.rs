@@ -1,7 +1,7 @@
 //! Expansion of one xacro file by this program itself, in a process that was started for it.
 //!
-//! Owns the bounds of that process and the expressions that are not evaluated as `xacro` does. Whatever a file does to this process (endless
-//! recursion, more memory than there is), the process that asked for it goes on.
+//! Owns the bounds of that process and the expressions that are not evaluated as `xacro` does. If a file crashes this process (endless
+//! recursion, too much memory), the calling process continues.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,17 +11,17 @@ use xacro_rs::{XacroError, XacroProcessor};
 
 use super::super::allowed::AllowedFolders;
 
-/// How deep elements and macro calls may lie inside each other.
+/// How deep elements and macro calls may be nested.
 const DEEPEST: usize = 1000;
 
-/// Stack for that depth, bytes. It is taken only as far as it is used.
+/// Stack for that depth, bytes. Only the used part takes memory.
 const STACK: usize = 1 << 29;
 
 /// Memory that this process may take, bytes.
 #[cfg(unix)]
 const MEMORY: u64 = 2 << 30;
 
-/// Expands `file` with `args` of the form `name:=value`; it and what it names lie in the folders `allowed`, or anywhere where that is empty.
+/// Expands `file` with `args` of the form `name:=value`; it and the files it names must be in the folders `allowed`, or anywhere if that is empty.
 /// Relative paths start from the folder `from`. Limits the memory and the rights of the whole process, and changes its working directory: call
 /// it in one of its own.
 ///
@@ -32,7 +32,7 @@ pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf], from: Option<&P
     if let Some(from) = from {
         std::env::set_current_dir(from).map_err(|error| format!("error: `{}`: {error}", from.display()))?;
     }
-    // Where the limit cannot be set, time and output are still bounded from outside.
+    // If the limit cannot be set, time and output are still bounded from outside.
     #[cfg(unix)]
     let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
     let bounds = (!allowed.is_empty()).then(|| Bounds {
@@ -50,28 +50,30 @@ pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf], from: Option<&P
             .spawn_scoped(scope, || expand_here(file, args, bounds.as_ref()))
             .map_err(|error| format!("error: no thread could be started: {error}"))?
             .join()
-            .unwrap_or_else(|_| Err("error: the expansion broke off".to_owned()))
+            .unwrap_or_else(|_| Err("error: the expansion crashed".to_owned()))
     })
 }
 
 /// What may be read.
 struct Bounds {
     allowed: AllowedFolders,
-    /// Whether the system holds this process to it. If not, what was read is looked at afterwards.
+    /// Whether the system enforces it. If not, the files that were read are checked afterwards.
     in_force: bool,
 }
 
 impl Bounds {
-    /// Why what was read of a file may not be used.
+    /// Why the content of a file may not be used.
     fn refusal(&self, path: &Path, text: &str) -> Option<String> {
         if !self.allowed.holds(path) {
             let path = path.display();
-            return Some(format!("error: `{path}` lies outside of what is checked\n{BY_PROGRAM}"));
+            return Some(format!(
+                "error: `{path}` is outside of the checked folders\n{BY_PROGRAM}"
+            ));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         if let Some(pattern) = patterns(text).find(|pattern| !self.allowed.holds(&folder.join(fixed_part(pattern)))) {
             return Some(format!(
-                "error: `{pattern}` lies outside of what is checked\n{BY_PROGRAM}"
+                "error: `{pattern}` is outside of the checked folders\n{BY_PROGRAM}"
             ));
         }
         let is_loaded = !self.in_force && text.contains("load_yaml");
@@ -79,11 +81,11 @@ impl Bounds {
     }
 }
 
-/// What expands what is refused here.
+/// How to expand a file that is refused here.
 const BY_PROGRAM: &str =
-    "error: check its folder as well, or expand the file with --xacro run: the `xacro` program may read anything";
+    "error: it may read files outside of the checked folders; check their folders too, or use --xacro run";
 
-/// Takes from this process the right to open anything outside of these folders; whether that is in force.
+/// Removes the right of this process to open anything outside of these folders; returns whether that is enforced.
 #[cfg(target_os = "linux")]
 fn confined(folders: &[PathBuf]) -> bool {
     use landlock::{
@@ -98,14 +100,14 @@ fn confined(folders: &[PathBuf]) -> bool {
     held.is_ok_and(|held| held.ruleset != RulesetStatus::NotEnforced)
 }
 
-/// No other system is asked.
+/// Not implemented for other systems.
 #[cfg(not(target_os = "linux"))]
 fn confined(_: &[PathBuf]) -> bool {
     false
 }
 
 fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bounds>) -> Result<String, String> {
-    // What is installed here does not count: packages are those that the caller names.
+    // Packages installed here do not count, only those that the caller names.
     let extensions: [Box<dyn ExtensionHandler>; 4] = [
         Box::new(CwdExtension),
         Box::new(EnvExtension),
@@ -133,7 +135,7 @@ fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bound
     })?;
     if let Some(name) = named_by_a_float(&text) {
         return Err(format!(
-            "error: `{name}` holds a number that the `xacro` program may write without its point\nwhen processing file: {}",
+            "error: `{name}` contains a number that the `xacro` program may write without its decimal point\nwhen processing file: {}",
             file.display()
         ));
     }
@@ -152,7 +154,7 @@ fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bound
     Ok(text)
 }
 
-/// The patterns of files that are included, as they are written: what they match where nothing may be read is nothing, and no error.
+/// The patterns of files that are included, as written. A pattern that matches only forbidden files matches nothing, without an error.
 fn patterns(text: &str) -> impl Iterator<Item = &str> {
     let includes = text.split(":include").skip(1);
     let names = includes.filter_map(|rest| {
@@ -164,7 +166,7 @@ fn patterns(text: &str) -> impl Iterator<Item = &str> {
     names.filter(|name| name.contains(['*', '?', '[']) && !name.contains('$'))
 }
 
-/// The folder of a pattern, up to where it stands for several names.
+/// The folder of a pattern, up to its first wildcard.
 fn fixed_part(pattern: &str) -> &str {
     let fixed = pattern
         .find(['*', '?', '['])
@@ -175,14 +177,14 @@ fn fixed_part(pattern: &str) -> &str {
         .map_or("", |(folder, _)| if folder.is_empty() { "/" } else { folder })
 }
 
-/// What stands in `${...}`, in the order of the text.
+/// The content of `${...}`, in the order of the text.
 fn expressions(text: &str) -> impl Iterator<Item = &str> {
     text.split("${")
         .skip(1)
         .map(|rest| rest.split('}').next().unwrap_or_default())
 }
 
-/// Whether an expression is one of the few that get another value here than in Python: the remainder of a negative number, a minus before
+/// Whether an expression is one of the few with another value here than in Python: the remainder of a negative number, a minus before
 /// a power, and `None`, which counts as zero here.
 fn is_evaluated_otherwise(expression: &str) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -201,7 +203,7 @@ fn is_evaluated_otherwise(expression: &str) -> bool {
     powers || expression.contains('%') || expression.split(|c| !is_word(c)).any(|word| word == "None")
 }
 
-/// The first name of an expansion that holds a whole number with a point (`lidar_3.0`): whole numbers of YAML files are floats here, and whole
+/// The first name of an expansion that contains a whole number with a decimal point (`lidar_3.0`): whole numbers of YAML files are floats here, and whole
 /// in Python.
 fn named_by_a_float(expanded: &str) -> Option<&str> {
     let values = ["name=\"", "link=\""]
@@ -218,7 +220,7 @@ fn named_by_a_float(expanded: &str) -> Option<&str> {
     })
 }
 
-/// The text before the bracket that a closing one behind `inner` belongs to.
+/// The text before the bracket that matches a closing one after `inner`.
 fn opening(inner: &str) -> &str {
     let mut depth = 1_usize;
     for (at, c) in inner.char_indices().rev() {
@@ -234,7 +236,7 @@ fn opening(inner: &str) -> &str {
     ""
 }
 
-/// The error in the words of the `xacro` program. Of a file that may not be read nothing is quoted.
+/// The error in the wording of the `xacro` program. Nothing is quoted of a file that may not be read.
 fn words(error: &XacroError, bounds: Option<&Bounds>) -> String {
     let about = match error {
         XacroError::WithContext { context, .. } => context

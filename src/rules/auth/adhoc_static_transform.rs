@@ -1,4 +1,4 @@
-//! AUTH03: latched transforms that no description and no calibration file states.
+//! AUTH03: latched transforms that are in no URDF and no calibration file.
 
 use std::collections::BTreeSet;
 
@@ -57,18 +57,18 @@ fn judge_bag(
     let subject = format!("latched transforms of {}", world.path(bag.source));
     let latched: Vec<&TfEdge> = bag.tf.iter().filter(|edge| edge.is_static).collect();
     if latched.is_empty() {
-        return out.missing(subject, "no latched transforms");
+        return out.missing(subject, "no latched transforms: record `/tf_static`");
     }
     if tf::frames(bag).is_disjoint(links) {
-        return out.missing(subject, "no frame of TF is a link of the robot: it describes another one");
+        return out.missing(subject, "no frame of TF is a link of the URDF, which describes another robot");
     }
-    // A frame that hangs under the robot itself; what hangs under that frame follows it.
+    // Only children of the robot's own links; frames below these move with them.
     let adhoc: Vec<&TfEdge> = latched
         .iter()
         .copied()
         .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated, &world.tables))
         .collect();
-    let measured = Measured::count("latched transforms that nothing states", adhoc.len()).limit(limits.max_edges);
+    let measured = Measured::count("latched transforms without a source", adhoc.len()).limit(limits.max_edges);
     let measured = measured.samples(latched.len() as u64);
     if adhoc.len() as f64 <= limits.max_edges {
         out.pass(subject, [measured]);
@@ -77,7 +77,7 @@ fn judge_bag(
     }
 }
 
-/// Whether somebody owes the edge: the description, a calibration file, a driver inside its device, or the map.
+/// Whether the edge has a source: the URDF, a calibration file, a driver inside its device, or the map.
 fn is_stated(edge: &TfEdge, links: &BTreeSet<FrameId>, stated: &BTreeSet<FrameId>, tables: &Tables) -> bool {
     let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
     links.contains(&child)
@@ -87,7 +87,7 @@ fn is_stated(edge: &TfEdge, links: &BTreeSet<FrameId>, stated: &BTreeSet<FrameId
         || tables.driver_of_edge(parent.as_str(), child.as_str()).is_some()
 }
 
-/// Frames that sensor data are given in matter; others may be aids of planning or display.
+/// Frames of sensor data matter; others may serve planning or display.
 fn finding(bag: &BagEvidence, subject: String, adhoc: &[&TfEdge]) -> Option<Finding> {
     let mut carried: Vec<FrameId> = tf::sensor_frames(bag).map(|(frame, ..)| frame).collect();
     carried.retain(|frame| adhoc.iter().any(|edge| edge.child.canonical() == *frame));
@@ -97,20 +97,21 @@ fn finding(bag: &BagEvidence, subject: String, adhoc: &[&TfEdge]) -> Option<Find
         .or_else(|| adhoc.first())?;
     let children: BTreeSet<FrameId> = adhoc.iter().map(|edge| edge.child.canonical()).collect();
     let (severity, used) = match carried.first() {
-        Some(frame) => (Severity::Warning, format!("; sensor data are given in `{frame}`")),
+        Some(frame) => (Severity::Warning, format!(" Sensor data are expressed in `{frame}`.")),
         None => (Severity::Note, String::new()),
     };
-    let message = format!(
-        "{} latched transform(s) under the robot stand in no URDF and no calibration file: {}{used}",
-        adhoc.len(),
-        tf::listed(&children),
-    );
+    let message = match adhoc.len() {
+        1 => "1 latched transform of the robot is in no URDF and no calibration file".to_owned(),
+        n => format!("{n} latched transforms of the robot are in no URDF and no calibration file"),
+    };
+    let detail = format!("Child frames: {}.{used}", tf::listed(&children));
     let place = |edge: &TfEdge| Place::message(bag.source, edge.first_at.clone());
-    let words = |edge: &TfEdge| format!("`{}` from `{}`", edge.parent, edge.child);
+    let words = |edge: &TfEdge| format!("`{}` -> `{}`", edge.parent, edge.child);
     let mut finding = Finding::new(severity, subject, message, place(first))
         .likely()
         .label(words(first))
-        .help("state them in the URDF or in a calibration file that is kept with it, and publish them from there");
+        .detail(detail)
+        .help("add them to the URDF or to a calibration file that is kept with it, and publish them from there");
     for edge in adhoc.iter().filter(|edge| edge.child != first.child).take(3) {
         finding = finding.related(place(edge), words(edge));
     }

@@ -6,7 +6,7 @@ use crate::world::{BagEvidence, FrameId, Robot, World};
 
 pub(crate) struct CalibrationArtifactId;
 
-/// Words of names and keys that say which calibration, or which vehicle.
+/// Words of names and keys that identify a calibration or a vehicle.
 #[rustfmt::skip]
 const IDENTITY: &[&str] = &[
     "calib", "calibration", "calibrations", "extrinsic", "extrinsics", "urdf", "description", "hash", "sha", "sha256",
@@ -39,7 +39,7 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
     );
     let Some(file) = counterpart(world, recorded, limits) else {
         return out.missing(
-            subject, "no URDF file of this robot to hold it against",
+            subject, "no single URDF file of this robot to compare it with: add the file to the input",
         );
     };
     let Differences { found, rigid } = differences(file, recorded, limits);
@@ -48,7 +48,7 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
         if rigid == 0 {
             out.pass(subject, [measured]);
         } else {
-            let why = format!("{rigid} fixed joint(s) differ in their origin only: two statements of one mounting");
+            let why = format!("only the origins of {rigid} fixed joint(s) differ, which CROSS01 and CROSS02 judge");
             out.not_applicable(subject, why);
         }
         return;
@@ -63,19 +63,22 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
         n => format!("; and {n} more"),
     };
     let message = format!(
-        "the recording was made with another revision of the robot than {}: {}{more}",
+        "the URDF in the recording differs from `{}` in {} link{} or joint{}",
         world.path(file.source),
-        words.join("; "),
+        found.len(),
+        if found.len() == 1 { "" } else { "s" },
+        if found.len() == 1 { "" } else { "s" },
     );
     let finding = Finding::warning(subject, message, first.recorded.clone())
         .label("in the recording")
-        .help("judge the recording with the description it was made with, or bring the file up to date")
+        .detail(format!("{}{more}.", words.join("; ")))
+        .help("evaluate the recording with the URDF that it was made with, or update the file")
         .measured(measured)
         .related(first.file.clone(), "in the file");
     out.fail(finding);
 }
 
-/// Metadata that somebody wrote should say which calibration it was; where nobody wrote any, nothing can be said.
+/// Metadata that a user wrote should identify the calibration; without any, this is not evaluated.
 fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let subject = format!("calibration of {}", world.path(bag.source));
     let fields = || {
@@ -85,16 +88,17 @@ fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let written = fields().filter(|(name, key)| !is_by_itself(name, key)).count();
     let says = |text: &str| IDENTITY.iter().any(|word| FrameId::new(text).has_token(word));
     let naming = fields().filter(|(name, key)| says(name) || says(key)).count();
-    let measured = Measured::count("fields that may name a calibration", naming).samples(written as u64);
+    let measured = Measured::count("fields that may identify a calibration", naming).samples(written as u64);
     if naming > 0 {
         return out.pass(subject, [measured]);
     }
     if written == 0 {
-        return out.missing(subject, "the recording carries no metadata of its maker's");
+        return out.missing(subject, "the recording has no metadata from a user");
     }
-    let message = format!(
-        "none of the {written} fields of metadata names a calibration: which one the recording was made with is not known",
-    );
+    let message = match written {
+        1 => "the metadata field of the recording does not identify its calibration".to_owned(),
+        n => format!("none of the {n} metadata fields of the recording identifies its calibration"),
+    };
     out.fail(
         Finding::note(subject, message, Place::whole(bag.source))
             .hint()
@@ -103,7 +107,7 @@ fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     );
 }
 
-/// What is there without anybody's writing it for the drive: the recorder's own, and attached files.
+/// What nobody wrote for the drive: the recorder's own fields, and attached files.
 fn is_by_itself(name: &str, key: &str) -> bool {
     matches!(name, "rosbag2" | "rosbag" | "attachments") || key == "ros_distro"
 }

@@ -1,4 +1,4 @@
-//! AUTH05: a calibration file is named but not there, or there but empty, and an identity stands in for it.
+//! AUTH05: a calibration file that is named but missing or empty, so that an identity may replace it.
 
 use crate::analysis::names;
 use crate::rules::prelude::*;
@@ -14,10 +14,10 @@ pub(crate) struct Limits {
     identity_m: f64,
 }
 
-/// Tokens of a file name that say it holds a calibration.
+/// Tokens of a file name that mark a calibration.
 const CALIBRATION: &[&str] = &["calib", "calibration", "extrinsic", "extrinsics", "camchain", "imucam"];
 
-/// Tokens of a frame that say a sensor is mounted there.
+/// Tokens of the name of a sensor's frame.
 const SENSORS: &[&[&str]] = &[names::LIDARS, names::CAMERAS, names::GNSS, &["os", "imu", "radar"]];
 
 impl Rule for CalibrationMissingDefault {
@@ -32,9 +32,9 @@ impl Rule for CalibrationMissingDefault {
         for source in world.members.iter().filter_map(|id| world.source(*id)) {
             if is_calibration(source) && source.status == ReadStatus::Unreadable {
                 let why = source.detail.as_deref().unwrap_or("it cannot be read");
-                let message = format!("calibration file {} gives no transform: {why}", source.path);
+                let message = format!("calibration file `{}` contains no transform", source.path);
                 let subject = format!("calibration {}", source.path);
-                out.fail(finding(subject, message, Place::whole(source.id), stand_in, true));
+                out.fail(finding(subject, message, Place::whole(source.id), stand_in, true).detail(why));
             }
         }
     }
@@ -44,18 +44,18 @@ fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mu
     let subject = format!("reference `{}` to {}", reference.key, reference.path.value);
     let what = match reference.state {
         ReferenceState::Found => {
-            let absent = Measured::count("calibration files that are not there", 0);
+            let absent = Measured::count("missing calibration files", 0);
             return out.pass(subject, absent.limit(0.0));
         }
         ReferenceState::Unknown => {
-            let why = "an absolute path that does not exist here: it may exist where the robot runs";
+            let why = "an absolute path that does not exist here, but may exist on the robot: run the check there, or use a relative path";
             return out.missing(subject, why);
         }
         ReferenceState::Empty => "is empty",
-        ReferenceState::Missing => "is not there",
+        ReferenceState::Missing => "was not found",
     };
     let message = format!(
-        "`{}` names the calibration file {}, which {what}",
+        "`{}` names the calibration file `{}`, which {what}",
         reference.key, reference.path.value
     );
     let certain = reference.state == ReferenceState::Empty;
@@ -68,8 +68,8 @@ fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mu
     ));
 }
 
-/// Empty files are wrong by themselves. A file that is not in the input may be elsewhere: only an identity that stands
-/// in its place makes that likely to matter.
+/// Empty files are always wrong. A file that is not in the input may be elsewhere: only an identity in its place makes an effect
+/// likely.
 fn finding(subject: String, message: String, place: Place, stand_in: Option<&Claim>, certain: bool) -> Finding {
     let finding = match (certain, stand_in) {
         (true, _) => Finding::error(subject, message, place),
@@ -77,10 +77,10 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
         (false, None) => Finding::warning(subject, message, place).hint(),
     };
     let finding = finding
-        .help("put the file there, and make its absence an error: a missing calibration must not become the identity")
+        .help("add the file, and let the loader fail without it: a missing calibration must not become the identity")
         .measured(Measured::count("calibration files without content", 1).limit(0.0));
     match stand_in {
-        Some(claim) => finding.related(claim.place.clone(), "an identity stands here for a mounted sensor"),
+        Some(claim) => finding.related(claim.place.clone(), "a sensor is mounted here with the identity"),
         None => finding,
     }
 }
@@ -94,7 +94,7 @@ fn is_calibration(source: &Source) -> bool {
             .any(|token| CALIBRATION.contains(&token.as_str()))
 }
 
-/// A sensor that is said to sit exactly at its parent's origin, unturned.
+/// A sensor that is mounted with the identity.
 fn identity_mount<'w>(world: &'w World, limits: &Limits) -> Option<&'w Claim> {
     world.claims.iter().find(|claim| {
         let is_mount = matches!(claim.kind, ClaimKind::Joint { fixed: true, .. });

@@ -1,4 +1,4 @@
-//! AUTH04: topics with orientations or velocities that the configuration leaves out.
+//! AUTH04: topics with orientations or velocities that the configuration does not declare.
 
 use std::collections::BTreeSet;
 
@@ -30,11 +30,11 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .collect();
     if told.is_empty() {
         return out.missing(
-            subject, "no topic with inertial messages or odometry",
+            subject, "no topic with IMU or odometry messages",
         );
     }
     if !world.conventions.declare_of(world.path(bag.source)) {
-        let why = "nothing is declared: `conventions:` in frames-lint.yaml says what each topic is expressed in";
+        let why = "nothing is declared: state under `conventions:` in frames-lint.yaml what each topic is expressed in";
         return out.missing(subject, why);
     }
     let open: Vec<&(&str, bool, &str)> = told.iter().filter(|(_, is_declared, _)| !is_declared).collect();
@@ -58,21 +58,22 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .take(NAMED)
         .map(|(topic, _, line)| format!("- {{topic: {topic}, {line}}}"))
         .collect();
-    let message = format!(
-        "the configuration declares what some topics are expressed in, and leaves out {}{more}",
-        names.join(", ")
-    );
+    let message = match open.len() {
+        1 => "the configuration declares the conventions of other topics, but not of 1 topic".to_owned(),
+        n => format!("the configuration declares the conventions of other topics, but not of {n} topics"),
+    };
     let help = format!(
-        "if they are as ROS has them, say so under `conventions:`:\n{}",
+        "if they follow the conventions of ROS, declare that under `conventions:`:\n{}",
         lines.join("\n")
     );
     let finding = Finding::note(subject, message, Place::whole(bag.source))
         .hint()
+        .detail(format!("Not declared: {}{more}.", names.join(", ")))
         .help(help);
     out.fail(finding.measured(measured));
 }
 
-/// A topic that is expressed in axes of the world or of a body: whether it is declared, and the line that would declare it as usual.
+/// A topic that is expressed in axes of the world or of a body: whether it is declared, and the line that declares the usual convention.
 fn told<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
     let said: Vec<_> = topic.said().filter(|said| !said.guessed).collect();
     let has = |test: fn(&crate::world::content::ContentEvidence) -> bool| said.iter().any(|said| test(said.content));

@@ -38,44 +38,46 @@ impl Rule for MultipleAuthorities {
     }
 }
 
-/// What a launch file publishes, where a joint or another call states it as well.
+/// Transforms that a launch file publishes, and that a joint or another call states as well.
 fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &mut Judge) {
     for edge in launched.edges.iter().filter(|edge| edge.is_published()) {
         let subject = format!("published `{}` from `{}`", edge.parent, edge.child);
         let twins = launched.edges_to(&edge.child).filter(|other| other.parent == edge.parent);
         let others: Vec<&Edge> = twins.filter(|other| other.origin != edge.origin).collect();
-        let count = Measured::count("who states it", 1 + others.len()).limit(1.0);
+        let count = Measured::count("publishers", 1 + others.len()).limit(1.0);
         let (Some(other), Some(place)) = (others.first(), places::of_edge(world, edge)) else {
             out.pass(subject, [count]);
             continue;
         };
         let is_second = others.iter().all(|other| other.origin < edge.origin);
         if !is_second {
-            // Said of the last one.
+            // Reported at the last one.
             continue;
         }
         let (who, by) = if other.is_published() {
             ("two static_transform_publishers", "the other call")
         } else {
-            ("robot_state_publisher and a static_transform_publisher", "the joint")
+            ("a static_transform_publisher and robot_state_publisher", "the joint")
         };
         let apart = edge.pose.zip(other.pose).map(|(a, b)| {
             let distance_m = (a.translation.vector - b.translation.vector).norm();
             (a.rotation.angle_to(&b.rotation).to_degrees(), distance_m)
         });
         let differ = apart.filter(|(deg, m)| *deg > limits.moves_deg || *m > limits.moves_m);
-        let (severity, how) = match differ {
+        let (severity, values, effect) = match differ {
             Some((deg, m)) => (
                 Severity::Error,
-                format!("with values that differ by {deg:.2} deg and {m:.3} m: a listener keeps the one that came last"),
+                format!("{deg:.2} deg and {m:.3} m apart"),
+                "a listener keeps the value that it received last",
             ),
-            None => (Severity::Note, "with equal values until one of them changes".to_owned()),
+            None => (Severity::Note, "with equal values".to_owned(), "the values may differ later"),
         };
-        let message = format!("{who} state `{}` from `{}`, {how}", edge.parent, edge.child);
+        let message = format!("`{}` -> `{}` is published twice, {values}", edge.parent, edge.child);
         let mut finding = Finding::new(severity, subject, message, place)
             .likely()
             .confidence(published_reading(world, edge))
-            .help("let one program publish the frame: remove the call where the description has the joint")
+            .detail(format!("The publishers are {who}; {effect}."))
+            .help("let only one program publish the transform: remove the call if the URDF has the joint")
             .measured(count);
         if !other.is_published() {
             finding = finding.unless(codes::CROSS02).unless(codes::CROSS01);
@@ -89,60 +91,61 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
 
 fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge) {
     let subject = format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic);
-    // Names that a program gives itself at each start end in numbers.
+    // Names of anonymous nodes end in numbers.
     let programs: BTreeSet<&str> = edge.writers.keys().map(|name| stem(name)).collect();
     let share = edge.steps.undone as f64 / (edge.steps.count as f64).max(1.0);
-    let undone = Measured::new("share of steps that the next one undoes", share, "1")
+    let undone = Measured::new("share of reversed steps", share, "1")
         .limit(limits.undone_share)
         .samples(edge.steps.count);
     let takes_turns = takes_turns(edge, share, limits);
     if !takes_turns && programs.len() < 2 {
         if edge.writers.is_empty() && edge.steps.count < limits.min_steps {
-            out.too_little(subject, "the recording does not say who writes, and holds too few transforms to see it");
+            out.too_little(subject, "the recording does not name the publishers, and has too few transforms to detect two");
         } else {
             out.pass(
                 subject,
-                [Measured::count("writers known", edge.writers.len()).limit(1.0), undone],
+                [Measured::count("known publishers", edge.writers.len()).limit(1.0), undone],
             );
         }
         return;
     }
-    let who = match edge.writers.len() {
-        0 | 1 => "two publishers".to_owned(),
-        _ => {
+    let (who, names) = match edge.writers.len() {
+        0 | 1 => ("two publishers".to_owned(), String::new()),
+        n => {
             let names: Vec<String> = edge.writers.keys().map(|name| format!("`{name}`")).collect();
-            names.join(", ")
+            (format!("{n} publishers"), format!("The publishers are {}. ", names.join(", ")))
         }
     };
-    let (severity, how) = if takes_turns {
+    let what = format!("`{}` -> `{}` on `{}`", edge.parent, edge.child, edge.topic);
+    let (severity, message, how) = if takes_turns {
         let (undone, count) = (edge.steps.undone, edge.steps.count);
-        let how = format!(" in turn: {undone} of {count} steps are undone by the next one");
-        (Severity::Error, how)
+        let message = format!("{who} alternate on {what}: {undone} of {count} steps are reversed");
+        (Severity::Error, message, "Each of these steps is reversed by the next one: a listener gets both series in turn.")
     } else if moves(edge, limits) {
-        let how = ", which moves: look-ups interpolate between what they say";
-        (Severity::Warning, how.to_owned())
+        let message = format!("{who} publish the moving transform {what}");
+        (Severity::Warning, message, "tf2 interpolates between their values.")
     } else {
-        let how = ", with equal values until one of them changes";
-        (Severity::Note, how.to_owned())
+        let message = format!("{who} publish the constant transform {what}");
+        (Severity::Note, message, "Their values are equal, but may differ later.")
     };
-    let message = format!("{who} publish {subject}{how}");
     let at = edge.steps.first_undone.as_ref().filter(|_| takes_turns);
     let place = at.map_or(&edge.first_at, |step| &step.after.at);
     let finding = Finding::new(severity, subject, message, Place::message(bag.source, place.clone()))
         .likely()
-        .help("let one program publish the frame: switch off `publish_tf` in the driver, the filter or the simulator")
-        .measured(Measured::count("writers known", edge.writers.len()).limit(1.0))
+        .detail(format!("{names}{how}"))
+        .help("let only one program publish the transform: turn off `publish_tf` in the driver, the filter or the simulator")
+        .measured(Measured::count("known publishers", edge.writers.len()).limit(1.0))
         .measured(undone);
     out.fail(finding);
 }
 
-/// The name of a writer without the numbers that an anonymous node appends.
+/// The name of a publisher without the numbers that an anonymous node appends.
 fn stem(name: &str) -> &str {
     name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_')
 }
 
-/// Two series that alternate show steps back and forth: nearly all of them where both have one rate, and few, but far
-/// beyond the others, where one is slow.
+/// Two series that alternate have steps back and forth: nearly all of the steps if both have one rate; if one is slow, few, but
+/// much larger than the others.
 fn takes_turns(edge: &TfEdge, share: f64, limits: &Limits) -> bool {
     let steps = &edge.steps;
     if edge.is_static || steps.count < limits.min_steps || steps.undone < limits.undone_count {

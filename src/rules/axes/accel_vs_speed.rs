@@ -1,4 +1,4 @@
-//! AXES06: the acceleration along the base's axes against the change of speed.
+//! AXES06: the acceleration along the base's axes compared with the change of speed.
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Push};
@@ -39,26 +39,28 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &Pushed
     if pushed.class == Push::Forward {
         return out.pass(subject, measured);
     }
-    let what = match pushed.class {
-        Push::Sideways => "speeding up shows along y, not along x",
-        _ => "speeding up shows along -x",
+    let (axis, gain) = match pushed.class {
+        Push::Sideways => ("y", pushed.sideways.gain),
+        _ => ("-x", pushed.forward.gain),
     };
     let message = format!(
-        "in the acceleration of `{}` {what} (x {:+.2}, y {:+.2} times the change of speed of {}); {}{}",
-        imu.stream.topic,
-        pushed.forward.gain,
-        pushed.sideways.gain,
-        pushed.track,
-        imu.mounting(),
-        sensor.diagnosis.words()
+        "`{}`: acceleration when speeding up is along {axis}, not along x (gain {gain:+.2})",
+        imu.stream.topic
     );
-    let otherwise = "x points forward (REP-103): give the sensor's frame its yaw in TF, or negate an accelerometer that gives gravity; a \
-         drive in reverse looks the same";
+    let detail = format!(
+        "Compared with the change of speed of {}. Mounting: {}.",
+        pushed.track,
+        imu.mounting()
+    );
+    let otherwise = "add the sensor's yaw to its frame in TF, or negate an accelerometer that measures gravity instead of specific \
+         force: x points forward (REP-103). A drive in reverse looks the same";
     let finding = explain(
         &sensor.diagnosis,
         imu,
         Aspect::Push,
-        Finding::warning(subject, message, imu.stream.place()).likely(),
+        Finding::warning(subject, message, imu.stream.place())
+            .likely()
+            .detail(detail),
         otherwise,
     );
     let finding = finding.related(pushed.track_at.clone(), TRACK);

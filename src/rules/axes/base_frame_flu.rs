@@ -24,22 +24,22 @@ impl Rule for BaseFrameFlu {
 
 fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &mut Judge) {
     let measured = [
-        Measured::new("agreement on the way forward", seen.concentration, "1").limit(limits.min_concentration),
-        Measured::new("way", seen.way_m, "m").limit(limits.min_way_m),
+        Measured::new("agreement on the forward direction", seen.concentration, "1").limit(limits.min_concentration),
+        Measured::new("distance", seen.way_m, "m").limit(limits.min_way_m),
     ];
     let Some(up) = seen.up else {
-        return out.too_little(subject, "by its pose, no axis of it points up steadily");
+        return out.too_little(subject, "no axis of it points up steadily by its pose");
     };
     let says = |word: &str| base.frame.has_token(word);
     if says("frd") || says("ned") {
-        return out.not_applicable(subject, "its name says that its axes are others");
+        return out.not_applicable(subject, "its name declares other axes (frd or ned)");
     }
     if seen.is_turned() {
         return out.fail(turned(base, subject, seen, up).measured(measured));
     }
     if let Some((axis, sensor)) = seen.gravity.as_ref().filter(|(axis, _)| *axis != up) {
         let why = format!(
-            "{} points up by the pose, {} by gravity ({sensor}): the frame that the pose is expressed in, or the sensor, is turned",
+            "{} points up by the pose, {} by gravity ({sensor}): the frame that the pose is expressed in, or the sensor, is rotated",
             up.word(),
             axis.word()
         );
@@ -54,7 +54,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
     if let Some(sensor) = &seen.against {
         let why = format!(
-            "the pose turns against the gyro of {sensor}: all of the pose is expressed in NED/FRD, or the gyro is wrong"
+            "the pose rotates opposite to the gyro of {sensor}: the whole pose is expressed in NED/FRD, or the gyro is wrong"
         );
         return out.not_applicable(subject, why);
     }
@@ -62,25 +62,24 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
         Some(_) if seen.is_backward() => {
             let message = format!(
-                "`{}` goes backwards all the way ({:.0} m along -x): a drive in reverse, or its x axis points to the rear",
+                "`{}` moves backwards throughout ({:.0} m along -x)",
                 base.frame, seen.way_m
             );
-            let finding = Finding::note(subject, message, base.place.clone()).hint();
+            let finding = Finding::note(subject, message, base.place.clone())
+                .hint()
+                .detail("Either the platform drove in reverse, or its x axis points to the rear.");
             let finding = finding.help(
-                "x points forward (REP-103): turn the base frame by 180 deg about z if this was no drive in reverse",
+                "rotate the base frame by 180 deg about z unless the platform drove in reverse: x points forward (REP-103)",
             );
             out.fail(finding.measured(measured));
         }
         Some(forward) => {
-            let why = format!(
-                "by its pose it goes along {}, by its velocity it does not",
-                forward.word()
-            );
+            let why = format!("its pose moves along {}, its velocity does not", forward.word());
             out.not_applicable(subject, why);
         }
         None => {
             let why = format!(
-                "it goes in several directions, or aslant to its axes (agreement {:.2}): no front shows",
+                "it moves in several directions, or obliquely to its axes (agreement {:.2}), so no axis is forward",
                 seen.concentration
             );
             out.too_little(subject, why);
@@ -88,13 +87,13 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
 }
 
-/// A base that is turned itself.
+/// A base with other axes than FLU.
 fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
     let spelled = seen.forward.and_then(|forward| spelled(forward, up));
     let frame = &base.frame;
     let axes = spelled.as_ref().map_or_else(
         || format!("{} points up", up.word()),
-        |letters| format!("its axes point {}", words(letters)),
+        |letters| format!("its axes are {}", words(letters)),
     );
     let says = if seen.forward.is_some() {
         "pose and motion"
@@ -104,29 +103,29 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
     let because = match &seen.gravity {
         Some((axis, sensor)) if *axis != up => {
             format!(
-                "by {says} of {}, where {sensor} on it has z up, and the pose turns against its gyro",
+                "Shown by {says} of {}; {sensor} on it has z up, and the pose rotates opposite to its gyro.",
                 base.stream
             )
         }
-        Some((_, sensor)) => format!("{says} of {} and gravity by {sensor} say so", base.stream),
-        None => format!("pose and motion of {} say so", base.stream),
+        Some((_, sensor)) => format!("Shown by {says} of {} and by gravity of {sensor}.", base.stream),
+        None => format!("Shown by pose and motion of {}.", base.stream),
     };
     let doubt = if seen.is_upside_down() && seen.gravity.is_none() {
         if seen.is_up_reordered {
-            "; or the frame that the pose is expressed in has z down; or the four numbers of the orientation stand as w, x, y, z"
+            " Instead, the frame that the pose is expressed in may have z down, or the quaternion may be in the order w, x, y, z."
         } else {
-            "; or the frame that the pose is expressed in has z down"
+            " Instead, the frame that the pose is expressed in may have z down."
         }
     } else if !seen.is_upside_down() && seen.twist_agrees.is_none() {
-        "; or the orientation counts its yaw from another direction than the position"
+        " Instead, the zero of the orientation's yaw may differ from that of the position."
     } else {
         ""
     };
-    let message = format!("`{frame}` is not x forward, y left, z up: {axes} ({because}){doubt}");
+    let message = format!("`{frame}` is not x forward, y left, z up: {axes}");
     let known = match spelled.as_deref() {
-        Some("FRD") => "FRD is the aerospace order (also SAE J670e; as right-handed as FLU): ",
-        Some("RFU") => "RFU is the body frame of many inertial navigation systems: ",
-        Some("RDF") => "RDF is the order of a camera's optical frame: ",
+        Some("FRD") => " FRD is the aerospace convention (SAE J670e).",
+        Some("RFU") => " RFU is the body frame of many inertial navigation systems.",
+        Some("RDF") => " RDF is the convention of a camera's optical frame.",
         _ => "",
     };
     let finding = if doubt.is_empty() {
@@ -134,10 +133,13 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
     } else {
         Finding::warning(subject, message, base.place.clone())
     };
-    let finding = finding.likely().help(format!(
-        "{known}REP-103 wants x forward, y left, z up. Keep the other one as a child frame of its own name (`{frame}_frd`), and publish \
-         the pose of `{frame}` as `world_from_{frame} = world_from_now * now_from_flu`"
-    ));
+    let finding = finding
+        .likely()
+        .detail(format!("{because}{doubt}{known}"))
+        .help(format!(
+            "publish `{frame}` with x forward, y left, z up (REP-103): `world_from_flu = world_from_present * present_from_flu`; keep \
+             the present axes as a child frame with its own name (such as `{frame}_frd`)"
+        ));
     match spelled {
         Some(letters) => finding.relation(letters.to_lowercase()),
         None => finding,
@@ -172,10 +174,10 @@ fn words(letters: &str) -> String {
         'U' => "up",
         _ => "down",
     };
-    let told: Vec<String> = ["x", "y", "z"]
+    let named: Vec<String> = ["x", "y", "z"]
         .iter()
         .zip(letters.chars())
         .map(|(axis, letter)| format!("{axis} {}", word(letter)))
         .collect();
-    told.join(", ")
+    named.join(", ")
 }

@@ -1,4 +1,4 @@
-//! AXES11: whether a cloud is a mirror image, by how it turns against a gyro.
+//! AXES11: whether a cloud is mirrored, by its rotation compared with a gyro.
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
@@ -22,20 +22,20 @@ pub(crate) struct Limits {
     min_t: f64,
 }
 
-/// What turns beside the scans.
+/// The rotation that scans are compared with.
 struct Beside {
     /// `the gyro of `/imu``.
     name: String,
     place: Place,
-    /// The frame whose turning it is, and whether that is tied to a base.
+    /// The frame that rotates, and whether it is tied to a base.
     frame: Option<FrameId>,
     is_tied: bool,
     is_of_poses: bool,
-    /// Its turning, and that of the scans, radians, over the same times.
+    /// Its rotation and that of the scans over the same times, radians.
     pairs: Vec<(f64, f64)>,
 }
 
-/// The scans' turning over that of a gyro.
+/// Rotation of the scans over that of a gyro.
 struct Turned {
     gain: f64,
     t: f64,
@@ -53,7 +53,10 @@ impl Rule for CloudMirror {
         for clouds in Clouds::scanners(world) {
             let subject = clouds.subject("handedness");
             if !clouds.is_of_a_lidar() {
-                out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
+                out.not_applicable(
+                    subject,
+                    "not recognised as raw points of a lidar by its fields, topic or frame",
+                );
                 continue;
             }
             let imus = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.imus);
@@ -68,16 +71,17 @@ impl Rule for CloudMirror {
                     None => out.missing(subject, why),
                 },
                 (None, _) => {
-                    let why =
-                        "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
-                    out.missing(subject, why);
+                    out.missing(subject, NO_GYRO);
                 }
             }
         }
     }
 }
 
-/// A gyro of which nothing wrong is known: the one that is mounted on a base first.
+/// Why a cloud without a gyro is not judged.
+const NO_GYRO: &str = "no gyro: a mirrored cloud has correct distances and shows in turns alone";
+
+/// A gyro without known faults; one with a known mounting first.
 fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Imu, String> {
     let (mut sound, mut doubted) = (Vec::new(), Vec::new());
     for (imu, sensor) in known {
@@ -90,10 +94,10 @@ fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Im
     sound.sort_by_key(|imu| imu.mount.is_none());
     sound.first().copied().ok_or_else(|| {
         doubted.first().map_or_else(
-            || "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone".to_owned(),
+            || NO_GYRO.to_owned(),
             |imu| {
                 format!(
-                    "its gyro would be `{}`, of which another rule reports a fault",
+                    "its only gyro is `{}`, for which another rule reports a fault",
                     imu.stream.topic
                 )
             },
@@ -125,7 +129,7 @@ impl Beside {
         }
     }
 
-    /// For planar scanners, which robots have that have no gyro; the wheels may be mirrored themselves, so that it is a hint.
+    /// For planar scanners of robots without a gyro. The odometry may be mirrored itself, so the finding is a hint.
     fn poses(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Option<Self> {
         clouds.laser?;
         let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
@@ -159,67 +163,71 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
         Err(why) => return out.too_little(subject, why),
     };
     let measured = [
-        Measured::new("turning of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
+        Measured::new("rotation of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
         Measured::new("t", turned.t, "1").limit(limits.min_t),
-        Measured::new("turning of a pair, root mean square", turned.turn_deg, "deg").limit(limits.min_turn_deg),
+        Measured::new("rotation of a pair (rms)", turned.turn_deg, "deg").limit(limits.min_turn_deg),
     ];
     let Some(is_up) = steps.is_up else {
         let why = format!(
-            "it turns {:+.2} times as {} does, and no ground shows whether its z points up: with z down that is right",
+            "it rotates {:+.2} times as {} does, but no visible ground shows whether its z points up, so the expected sign is unknown",
             turned.gain, beside.name
         );
         return out.too_little(subject, why);
     };
-    // A proper cloud with z up turns with the gyro, one with z down against it.
+    // A correct cloud with z up rotates with the gyro, one with z down against it.
     if is_up == (turned.gain > 0.0) {
         return out.pass(subject, measured);
     }
     let (relation, what, help) = if clouds.laser.is_some() {
         (
             if is_up { "upside-down" } else { "upright" },
-            "it hangs the other way up than its transform says, or its ranges are expressed in the other order, which is the same in one plane",
-            "give the transform a roll of 180 deg more if the scanner hangs so; if not, let its driver tell the ranges in the order of \
-             growing angles (`inverted`, `flip_x_axis` or the like, once)",
+            "the scanner is mounted the other way up than its transform states, or its ranges are in reverse order; in one plane the two \
+             are the same",
+            "add a roll of 180 deg to the transform if the scanner is mounted so; if not, make its driver publish ranges in the order of \
+             increasing angles (`inverted`, `flip_x_axis` or similar, once)",
         )
     } else if is_up {
         (
             "mirrored",
-            "x or y has the wrong sign, or the two are exchanged",
-            "look for x and y where ranges and angles become points: an angle that is counted the other way, or axes of a left-handed world \
-             (x, -y, z)",
+            "x or y has the wrong sign, or the two are swapped",
+            "correct x and y in the code that converts ranges and angles to points: an angle counted in the wrong direction, or \
+             left-handed axes (x, -y, z)",
         )
     } else {
         (
             "z-negated",
             "z has the wrong sign",
-            "look for z where ranges and angles become points: a sensor that hangs on its head is turned by 180 deg, which negates two axes",
+            "correct z in the code that converts ranges and angles to points: an upside-down sensor is rotated by 180 deg, which negates two axes",
         )
     };
     let frame = clouds.frame();
     let mount = frame.as_ref().and_then(|frame| mount(world, frame));
-    let message = if clouds.laser.is_some() {
-        format!(
-            "the scans on `{}` turn {:+.2} times as {} does, where by its transform z points {}: {what}",
-            clouds.topic.topic,
-            turned.gain,
-            beside.name,
-            if is_up { "up" } else { "down" }
-        )
+    let fault = if clouds.laser.is_some() {
+        "the scans are upside down or reversed"
     } else {
-        format!(
-            "the cloud on `{}` is a mirror image: it turns {:+.2} times as {} does, with the ground {} its z: {what}",
-            clouds.topic.topic,
-            turned.gain,
-            beside.name,
-            if is_up { "beneath" } else { "above" }
-        )
+        "the cloud is mirrored"
     };
+    let message = format!(
+        "`{}`: {fault} ({:+.2} times the rotation of {})",
+        clouds.topic.topic, turned.gain, beside.name
+    );
+    let detail = format!(
+        "{} z points {}, so the expected factor is {}. Probable cause: {what}.",
+        if clouds.laser.is_some() {
+            "By its transform,"
+        } else {
+            "By the ground in the cloud,"
+        },
+        if is_up { "up" } else { "down" },
+        if is_up { "+1" } else { "-1" }
+    );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
-        .related(beside.place.clone(), "what it is held against")
+        .detail(detail)
+        .related(beside.place.clone(), "compared with this")
         .help(help);
-    // Nothing says how a gyro sits that is tied to no base.
+    // The mounting of a gyro that is tied to no base is unknown.
     let is_loose = !beside.is_tied && mount.is_none() && beside.frame != frame;
     let finding = if is_loose || beside.is_of_poses {
         finding.hint()
@@ -229,11 +237,11 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
     out.fail(finding.measured(measured));
 }
 
-/// How the scans turn against a gyro, by pairs of their turning.
+/// Rotation of the scans over that of a gyro, by pairs of rotations.
 fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned, String> {
     if pairs.len() < limits.min_pairs {
         return Err(format!(
-            "{} pairs of scans could be matched beside the gyro or the poses ({} steps between neighbours); {} are needed",
+            "only {} pairs of scans could be matched and compared with the gyro or the poses ({} steps between neighbours), {} are needed",
             pairs.len(),
             steps.count(),
             limits.min_pairs
@@ -244,18 +252,18 @@ fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned
         .to_degrees();
     if turn_deg < limits.min_turn_deg {
         return Err(format!(
-            "it turned by {turn_deg:.2} deg in {} s, root mean square; {} are needed",
+            "it rotates by only {turn_deg:.2} deg (rms) in {} s, {} deg are needed",
             limits.pair_s, limits.min_turn_deg
         ));
     }
     let line = fit_huber(pairs, Through::Origin, pairs.len() as f64);
-    let told = line.and_then(|line| Some((line.slope, line.t?.abs())));
+    let fitted = line.and_then(|line| Some((line.slope, line.t?.abs())));
     let Some((gain, t)) =
-        told.filter(|(gain, t)| (limits.min_gain..=limits.max_gain).contains(&gain.abs()) && *t >= limits.min_t)
+        fitted.filter(|(gain, t)| (limits.min_gain..=limits.max_gain).contains(&gain.abs()) && *t >= limits.min_t)
     else {
-        let (gain, t) = told.unwrap_or_default();
+        let (gain, t) = fitted.unwrap_or_default();
         return Err(format!(
-            "the scans turn {gain:+.2} times as the gyro or the poses do, t {t:.1}: that is neither with them nor against them"
+            "the scans rotate {gain:+.2} times as the gyro or the poses do (t {t:.1}), which is neither with nor against them"
         ));
     };
     Ok(Turned {

@@ -1,4 +1,4 @@
-//! AXES07: a track of odometry that is the mirror image of the satellites' one.
+//! AXES07: an odometry track that is the mirror image of the GNSS track.
 
 use std::cell::OnceCell;
 
@@ -26,7 +26,7 @@ impl Rule for GnssVsOdomHandedness {
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     if poses.is_earth_centred() {
-                        let why = "the poses are metres from the Earth's centre: x and y lie in no level plane";
+                        let why = "the poses are Earth-centred (ECEF), so x and y are not horizontal";
                         out.not_applicable(subject, why);
                         continue;
                     }
@@ -34,7 +34,7 @@ impl Rule for GnssVsOdomHandedness {
                     let is_mirrored = votes.majority(limits) == Some(true);
                     out.plot(&subject, || plot(poses, fixes, &satellites, &votes, limits));
                     let swapped = swapped(poses, fixes, exchanged, &votes, minor_m, limits);
-                    // Seen from beneath every track is mirrored; and a simulator's poses may have the other hand.
+                    // With z down every track is mirrored; and a simulator's poses may be left-handed.
                     let frame = poses.frame.as_ref().filter(|frame| worlds.is_off(index, Some(frame)));
                     let better = |finding: Finding| {
                         let finding = match frame {
@@ -57,7 +57,7 @@ impl Rule for GnssVsOdomHandedness {
     }
 }
 
-/// The satellites' track with the odometry laid over it; mirrored besides, where that may fit better.
+/// The GNSS track with the odometry fitted to it; also mirrored, if that may fit better.
 fn plot(
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
@@ -65,7 +65,7 @@ fn plot(
     votes: &Votes,
     limits: &Limits,
 ) -> Option<Plot> {
-    let title = format!("Track of {} laid over that of {}", poses.subject, fixes.subject);
+    let title = format!("Track of {} fitted to that of {}", poses.subject, fixes.subject);
     let laid = votes.laid_over(satellites, &poses.track(), limits);
     plots::tracks(title, laid, votes.majority(limits) != Some(false))
 }
@@ -83,28 +83,28 @@ fn judge_votes(
     let all = turned + mirrored;
     if votes.windows == 0 {
         let why = format!(
-            "the odometry spreads {:.1} m to the side of its way while both are there ({:.0} m long), {minor_m:.1} m are needed",
+            "while both are recorded, the odometry spreads only {:.1} m sideways over {:.0} m, {minor_m:.1} m are needed: record a turn",
             votes.widest_m, votes.longest_m
         );
         return out.too_little(subject, why);
     }
     let agreement = votes.agreement();
     let Some(is_mirrored) = votes.majority(limits) else {
-        // What is tracked may be another body.
+        // The pose may be of another body.
         let is_of_platform = poses.is_way() && poses.child.as_ref().is_some_and(names::is_base);
         if let Some(least) = votes.unexplained(limits).filter(|_| is_of_platform) {
             let finding = unexplained(subject, poses, fixes, (least, limits.unexplained, votes.windows));
             return out.fail(better(finding));
         }
         let why = format!(
-            "of {} windows {turned} say turned and {mirrored} mirrored: the tracks differ by more than that",
+            "of {} windows {turned} fit rotated and {mirrored} fit mirrored, so the tracks differ in another way",
             votes.windows
         );
         return out.too_little(subject, why);
     };
     let [rms_turned, rms_mirrored] = votes.rms_m;
     let measured = [
-        Measured::new("residual, turned", rms_turned, "m").samples(all as u64),
+        Measured::new("residual, rotated", rms_turned, "m").samples(all as u64),
         Measured::new("residual, mirrored", rms_mirrored, "m").samples(all as u64),
         Measured::new("agreement of windows", agreement, "1").limit(limits.min_agreement),
     ];
@@ -117,22 +117,22 @@ fn judge_votes(
     }
     let (from, to) = votes.span_s();
     let message = format!(
-        "the track on {} is the mirror image of the satellites' on {}: laid over it from {from:.0} to {to:.0} s it is {rms_mirrored:.2} m \
-         off mirrored, {rms_turned:.2} m turned",
+        "`{}`: track is the mirror image of the GNSS track on `{}` (fits to {rms_mirrored:.2} m when mirrored)",
         poses.topic, fixes.topic
     );
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation("mirrored")
-        .related(fixes.place(), "the satellites' track")
+        .detail(format!("Compared from {from:.0} to {to:.0} s."))
+        .related(fixes.place(), "GNSS track")
         .help(
-            "one of the two has x and y changed (north and east taken for x and y), or one of them negated: NED positions \
-             become ENU as (y, x, -z); latitude comes before longitude",
+            "swap x and y, or negate one of them, in the wrong one of the two tracks: NED positions become ENU as (y, x, -z), and \
+             latitude comes before longitude",
         );
     out.fail(better(poses.expressed_in.tell(finding).measured(measured)));
 }
 
-/// A finding on two tracks of which neither is the other, turned or mirrored.
+/// A finding on two tracks that match neither rotated nor mirrored.
 fn unexplained(
     subject: &str,
     poses: &Stream<PoseRow>,
@@ -140,8 +140,7 @@ fn unexplained(
     (part, limit, windows): (f64, f64, usize),
 ) -> Finding {
     let message = format!(
-        "the tracks on {} and {} contradict each other: in {windows} window(s) the better of the two fits, turned and mirrored, leaves {:.0} % of the \
-         satellites' spread, with the scale and an even drift of the heading free",
+        "`{}`: track matches the GNSS track on `{}` neither rotated nor mirrored (residual {:.0} %)",
         poses.topic,
         fixes.topic,
         100.0 * part
@@ -149,20 +148,28 @@ fn unexplained(
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation(UNEXPLAINED)
-        .related(fixes.place(), "the satellites' track")
+        .detail(format!(
+            "{windows} window(s) were fitted both ways, with a free scale factor and a constant heading drift; the residual is relative to the extent of \
+             the GNSS track."
+        ))
+        .related(fixes.place(), "GNSS track")
         .unless(codes::TIME01)
         .unless(codes::TIME02)
         .unless(codes::TIME04)
-        .help("compare both with a map of the drive: one of them is not where the platform was, or not when");
+        .help("compare both tracks with a map: one of them has wrong positions or wrong timestamps");
     finding.measured(
-        Measured::new("part that the better fit leaves", part, "1")
-            .limit(limit)
-            .samples(windows as u64),
+        Measured::new(
+            "residual of the better fit over the extent of the GNSS track",
+            part,
+            "1",
+        )
+        .limit(limit)
+        .samples(windows as u64),
     )
 }
 
-/// A finding, where the tracks fit once latitude and longitude are exchanged, and as published neither turned nor, by far, mirrored.
-/// A track of exchanged coordinates is mirrored, and stretched besides: away from the equator neither fit meets it.
+/// A finding, if the tracks match once latitude and longitude are swapped back, and as published match neither rotated nor, by far,
+/// mirrored. A track with swapped coordinates is mirrored and stretched: away from the equator neither fit matches it.
 pub(crate) fn swapped<'t>(
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
@@ -171,7 +178,7 @@ pub(crate) fn swapped<'t>(
     minor_m: f64,
     limits: &Limits,
 ) -> Option<Finding> {
-    // As told the tracks must not fit turned, and mirrored, in the same windows, clearly worse than the exchanged ones do.
+    // As published the tracks must not fit rotated, and in the same windows fit mirrored clearly worse than the swapped ones do.
     if votes.windows == 0 || votes.majority(limits) == Some(false) {
         return None;
     }
@@ -179,20 +186,22 @@ pub(crate) fn swapped<'t>(
     if votes.majority(limits) != Some(false) {
         return None;
     }
-    let as_told_m = votes.better_m(&fixes.track(), &poses.track(), limits)?;
+    let as_published_m = votes.better_m(&fixes.track(), &poses.track(), limits)?;
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
-    // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
-    if rms_m * limits.min_ratio.powi(2) > as_told_m {
+    // A straight track stays nearly straight when it is mirrored and stretched: this needs the squared ratio.
+    if rms_m * limits.min_ratio.powi(2) > as_published_m {
         return None;
     }
     let message = format!(
-        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as published it does \
-         not",
+        "`{}`: latitude and longitude are swapped (swapped back, `{}` fits to {rms_m:.2} m)",
         fixes.topic, poses.topic
     );
     let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");
     let finding = finding
-        .related(poses.place(), "the other track")
-        .help("latitude comes first in NavSatFix; GeoJSON, KML and shapes of maps have longitude first");
-    Some(finding.measured(Measured::new("residual, exchanged", rms_m, "m").samples(all as u64)))
+        .detail(format!(
+            "As published, the better fit leaves a residual of {as_published_m:.2} m."
+        ))
+        .related(poses.place(), "track compared with")
+        .help("swap the two fields: NavSatFix has latitude first, while GeoJSON, KML and map shapefiles have longitude first");
+    Some(finding.measured(Measured::new("residual, swapped back", rms_m, "m").samples(all as u64)))
 }

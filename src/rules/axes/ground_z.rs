@@ -1,4 +1,4 @@
-//! AXES09: where the ground is under a lidar, and whether it is level.
+//! AXES09: height and tilt of the ground below a lidar.
 
 use std::rc::Rc;
 
@@ -32,10 +32,10 @@ struct Over {
     base: FrameId,
     /// `base_from_cloud`, without its place where the cloud is expressed in the base.
     mount: Isometry3<f64>,
-    /// Where TF has the sensor, metres in the base.
+    /// Position of the sensor in the base by TF, metres.
     sensor: Vector3<f64>,
     is_base: bool,
-    /// z of the ground in the base, where a frame says so.
+    /// z of the ground in the base, if a frame states it.
     expected_m: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ struct Height {
     /// z of the ground in the base, and its deviation, metres.
     ground_m: f64,
     sigma_m: f64,
-    /// The sensor over the ground, metres.
+    /// Height of the sensor above the ground, metres.
     sensor_m: f64,
     clouds: u64,
 }
@@ -70,19 +70,21 @@ impl Rule for GroundZ {
 impl Over {
     fn of(world: &World, clouds: &Clouds) -> Result<Self, (NotEvaluated, String)> {
         if !clouds.is_of_a_lidar() {
-            let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
+            let why = "not recognised as raw points of a lidar by its fields, topic or frame".to_owned();
             return Err((NotEvaluated::NotApplicable, why));
         }
         let Some(frame) = clouds.frame() else {
-            return Err((NotEvaluated::MissingInput, "the clouds name no frame".to_owned()));
+            return Err((NotEvaluated::MissingInput, "the clouds have no `frame_id`".to_owned()));
         };
         let Some(mount) = mount(world, &frame) else {
-            let why = format!("no rigid chain of transforms leads from `{frame}` to a base");
+            let why = format!("`{frame}` is not tied to a base: add a URDF or record `/tf_static`");
             return Err((NotEvaluated::MissingInput, why));
         };
         let sensor = if mount.is_base {
             let Some(sensor) = ground::sensor_in_cloud(world, clouds) else {
-                let why = format!("the cloud is expressed in `{frame}`, and no transform says where on it the lidar is");
+                let why = format!(
+                    "the cloud is expressed in `{frame}`, and no transform states where the lidar is mounted on it"
+                );
                 return Err((NotEvaluated::MissingInput, why));
             };
             sensor
@@ -112,7 +114,7 @@ impl Over {
             let at = &clouds.evidence.samples.get(*index)?.at;
             Some([at.log_ns.saturating_sub(start_ns) as f64 / 1e9, self.ground_m(ground)?])
         });
-        let title = format!("Height of the ground on `{}` in `{}`", clouds.topic.topic, self.base);
+        let title = format!("Height of the ground in `{}`, by `{}`", self.base, clouds.topic.topic);
         plots::ground(
             title,
             points,
@@ -120,7 +122,7 @@ impl Over {
         )
     }
 
-    /// The ground under the sensor where the planes have it, with the sensor where TF has it.
+    /// Height of the ground below the sensor by the planes, with the sensor's position by TF.
     fn height(&self, grounds: &[&Ground]) -> Option<Height> {
         let z: Vec<f64> = grounds.iter().filter_map(|ground| self.ground_m(ground)).collect();
         let heights: Vec<f64> = grounds.iter().map(|ground| ground.plane.height_m).collect();
@@ -133,7 +135,7 @@ impl Over {
     }
 }
 
-/// z of the ground in a base: nothing in `base_footprint`, what TF says of that one in others.
+/// z of the ground in a base: zero in `base_footprint`, that frame's z by TF in others.
 fn expected(world: &World, base: &FrameId) -> Option<f64> {
     let is_footprint = |frame: &&FrameId| frame.tokens().last().is_some_and(|token| token == "footprint");
     if is_footprint(&base) {
@@ -170,7 +172,7 @@ fn judge_over(
     let lean_deg = (over.mount.rotation * axis).angle(&Vector3::z()).to_degrees();
     if lean_deg > limits.max_lean_deg {
         let why = format!(
-            "the ground lies {lean_deg:.0} deg away from under `{}`: that is a turned axis, and no height",
+            "the ground is {lean_deg:.0} deg away from below `{}`: the axes are rotated, so no height is judged",
             over.base
         );
         return out.not_applicable(subject, why);
@@ -187,21 +189,25 @@ fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, 
     let tolerance_m = limits.max_off_m.max(limits.sigmas * height.sigma_m);
     let measured = |off_m: f64| {
         [
-            Measured::new("ground below where it should be", -off_m, "m")
+            Measured::new("depth of the ground below its expected height", -off_m, "m")
                 .limit(tolerance_m)
                 .spread(height.sigma_m)
                 .samples(height.clouds),
-            Measured::new("sensor over the ground, by the cloud", height.sensor_m, "m"),
+            Measured::new(
+                "height of the sensor above the ground, by the cloud",
+                height.sensor_m,
+                "m",
+            ),
         ]
     };
     let Some(expected_m) = over.expected_m else {
-        // How high the origin of a base is over the ground nothing says; beneath it is none.
+        // The height of a base above the ground is unknown, but it is not below the ground.
         if height.ground_m > limits.likely_off_m + limits.sigmas * height.sigma_m {
             let finding = off(clouds, over, height, 0.0, limits);
             return out.fail(finding.measured(measured(height.ground_m)));
         }
         let why = format!(
-            "the ground lies at z = {:.2} m in `{}`, and nothing says how high that is over the ground (a `base_footprint` would)",
+            "the ground is at z = {:.2} m in `{}`, and no `base_footprint` states the height of that frame above the ground",
             height.ground_m, over.base
         );
         return out.missing(subject, why);
@@ -214,11 +220,11 @@ fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, 
     out.fail(finding.measured(measured(off_m)));
 }
 
-/// A ground that is not where it should be.
+/// A ground at the wrong height.
 fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &Limits) -> Finding {
     let subject = clouds.subject("ground");
     let off_m = height.ground_m - expected_m;
-    // Where TF has the sensor over the ground.
+    // Height of the sensor above the ground by TF.
     let told_m = over.sensor.z - expected_m;
     let near = |a: f64, b: f64| (a - b).abs() <= limits.class_off_m;
     let is_high = height.sensor_m > limits.min_height_m;
@@ -226,7 +232,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         Some((
             "not-applied",
             format!(
-                "the cloud says `{}` and is expressed in the axes of the lidar: its extrinsic was not applied",
+                "the cloud names `{}` but is expressed in the axes of the lidar, so its extrinsic is not applied",
                 over.base
             ),
         ))
@@ -234,7 +240,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         Some((
             "not-applied",
             format!(
-                "the lidar is {:.2} m over the ground, and its transform has no such height",
+                "the lidar is {:.2} m above the ground, but its transform has no such height",
                 height.sensor_m
             ),
         ))
@@ -243,26 +249,26 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
     } else if is_high && near(told_m, 2.0 * height.sensor_m) {
         Some((
             "twice",
-            "the height of the mounting is there twice: the driver applies it, and TF again".to_owned(),
+            "the height of the mounting is applied twice, by the driver and by TF".to_owned(),
         ))
     } else {
         None
     };
     let what = class.as_ref().map_or_else(
-        || "the mounting's height, or that of the base, is not the real one".to_owned(),
+        || "the height of the mounting, or of the base, is wrong".to_owned(),
         |(_, what)| what.clone(),
     );
     let message = format!(
-        "the ground on `{}` lies at z = {:.2} m in `{}`, {:.2} m {} where it should be: {what}",
+        "`{}`: ground is {:.2} m too {} in `{}` (z = {:.2} m)",
         clouds.topic.topic,
-        height.ground_m,
-        over.base,
         off_m.abs(),
-        if off_m > 0.0 { "above" } else { "below" }
+        if off_m > 0.0 { "high" } else { "low" },
+        over.base,
+        height.ground_m
     );
     let help = format!(
-        "measure how high the lidar is over the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms) and fix the transform of its \
-         mounting, or that of `base_footprint`",
+        "measure the height of the lidar above the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms), and correct its \
+         mounting transform or that of `base_footprint`",
         height.sensor_m
     );
     match class {
@@ -272,10 +278,11 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         None if off_m.abs() > limits.likely_off_m => Finding::warning(subject, message, clouds.place()).likely(),
         None => Finding::warning(subject, message, clouds.place()).hint(),
     }
+    .detail(format!("Probable cause: {what}."))
     .help(help)
 }
 
-/// Whether the points stand on a ground where it would be, had the extrinsic been applied to them already.
+/// A finding, if the points show a ground at the height that it has once the extrinsic is applied.
 fn applied_already(
     clouds: &Clouds,
     over: &Over,
@@ -299,7 +306,7 @@ fn applied_already(
     let seen_m = median(&heights)?;
     ((seen_m - told_m).abs() <= limits.class_off_m).then(|| {
         let message = format!(
-            "the points on `{}` say `{}` and stand on a ground as they do in `{}`: the extrinsic was applied to them, and TF applies it again",
+            "`{}`: extrinsic is applied twice (points in `{}` are already expressed in `{}`)",
             clouds.topic.topic,
             clouds.frame().map_or_else(String::new, |frame| frame.as_str().to_owned()),
             over.base
@@ -307,12 +314,21 @@ fn applied_already(
         Finding::error(subject, message, clouds.place())
             .likely()
             .relation("twice")
+            .detail("The ground in the cloud is where it is in the base; TF applies the extrinsic again.")
             .measured(
-                Measured::new("sensor over the ground, were the points expressed in the base", seen_m, "m")
-                    .samples(grounds.len() as u64),
+                Measured::new(
+                    "height of the sensor above the ground, if the points are expressed in the base",
+                    seen_m,
+                    "m",
+                )
+                .samples(grounds.len() as u64),
             )
-            .measured(Measured::new("the same by the transforms", told_m, "m"))
-            .help("name the base as the frame of the cloud, or publish the points as the sensor measured them")
+            .measured(Measured::new(
+                "height of the sensor above the ground, by the transforms",
+                told_m,
+                "m",
+            ))
+            .help("set the `frame_id` of the cloud to the base, or publish the points as the sensor measured them")
     })
 }
 
@@ -327,7 +343,7 @@ fn judge_tilt(
     let way_m = way_m(motion, clouds);
     if way_m < limits.min_way_m {
         let why = format!(
-            "the platform went {way_m:.0} m: a ground that leans by itself looks like a tilted sensor; {} m are needed",
+            "the platform moved only {way_m:.0} m, {} m are needed to distinguish a sloping ground from a tilted sensor",
             limits.min_way_m
         );
         return out.too_little(subject, why);
@@ -339,7 +355,7 @@ fn judge_tilt(
     };
     if lasts_s < limits.min_lasts_s {
         let why = format!(
-            "the clouds are of {lasts_s:.0} s: a road that leans for so long looks like a tilted sensor; {} are needed",
+            "the clouds cover only {lasts_s:.0} s, {} s are needed to distinguish a banked road from a tilted sensor",
             limits.min_lasts_s
         );
         return out.too_little(subject, why);
@@ -367,30 +383,30 @@ fn judge_tilt(
     }
     if tilt_deg <= limits.max_tilt_deg + limits.sigmas * sigma_deg {
         let why = format!(
-            "the ground leans by {tilt_deg:.1} deg, give or take {sigma_deg:.1}, and {} are allowed",
+            "the ground is tilted by {tilt_deg:.1} +- {sigma_deg:.1} deg, {} deg are allowed",
             limits.max_tilt_deg
         );
         return out.too_little(subject, why);
     }
-    // What turns the normal back to z, first order: of a sensor that is rolled by r more than TF has it, the normal is Rx(-r) z.
+    // The rotation from the normal back to z, to first order: with r more roll than in TF, the normal is Rx(-r) z.
     let (roll_deg, pitch_deg) = (y.asin().to_degrees(), (-x).asin().to_degrees());
     let message = format!(
-        "the ground on `{}` leans by {tilt_deg:.1} deg in `{}` all the way (roll {roll_deg:.1}, pitch {pitch_deg:.1}): the mounting is tilted otherwise \
-         than its transform says",
+        "`{}`: ground is tilted by {tilt_deg:.1} deg in `{}` (roll {roll_deg:.1}, pitch {pitch_deg:.1})",
         clouds.topic.topic, over.base
     );
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("tilted")
+        .detail("The tilt stays throughout the recording: the mounting is tilted differently than its transform states.")
         .measured(measured)
         .help(format!(
-            "turn the mounting by roll {roll_deg:.1} and pitch {pitch_deg:.1} deg about the axes of `{}`, after a calibration on level ground",
+            "calibrate on level ground, then rotate the mounting by roll {roll_deg:.1} and pitch {pitch_deg:.1} deg about the axes of `{}`",
             over.base
         ));
     out.fail(finding);
 }
 
-/// How far apart the farthest places are that the platform was at, about, metres.
+/// Approximate extent of the platform's motion, metres.
 fn way_m(motion: &Motion, clouds: &Clouds) -> f64 {
     let Some(bag) = motion.bags.get(clouds.index) else {
         return 0.0;

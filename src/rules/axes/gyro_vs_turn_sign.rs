@@ -1,4 +1,4 @@
-//! AXES05: the gyro's yaw rate against the turning of the track.
+//! AXES05: the gyro's yaw rate compared with the turns of the track.
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Sense};
@@ -28,7 +28,7 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned
         ..
     } = turned.slope;
     let measured = [
-        Measured::new("yaw rate over the turning of the course", slope, "1").samples(pairs as u64),
+        Measured::new("yaw rate over turn rate of the course", slope, "1").samples(pairs as u64),
         Measured::new("correlation", correlation, "1").limit(limits.min_correlation),
         Measured::new("t", turned.slope.t().abs(), "1").limit(limits.min_t),
     ];
@@ -36,24 +36,27 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned
         return out.pass(subject, measured);
     }
     let message = format!(
-        "the gyro of `{}` turns against the course of {}: {slope:+.2} times, correlation {correlation:+.2} over {:.0} s; {}{}",
-        imu.stream.topic,
-        turned.track,
-        turned.slope.seconds(),
-        imu.mounting(),
-        sensor.diagnosis.words()
+        "`{}`: yaw rate is opposite to the turns of {} (gain {slope:+.2})",
+        imu.stream.topic, turned.track
     );
-    let otherwise = "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
-         sensor is mounted";
+    let detail = format!(
+        "Compared over {:.0} s. Mounting: {}.",
+        turned.slope.seconds(),
+        imu.mounting()
+    );
+    let otherwise = "negate y and z of a gyro in FRD axes, or correct the sensor's mounting in TF: counter-clockwise turns are positive \
+         about z up (REP-103)";
     let finding = explain(
         &sensor.diagnosis,
         imu,
         Aspect::Sense,
-        Finding::error(subject, message, imu.stream.place()).likely(),
+        Finding::error(subject, message, imu.stream.place())
+            .likely()
+            .detail(detail),
         otherwise,
     );
     let finding = finding.related(turned.track_at.clone(), TRACK);
-    // Poses of a simulator may be the ones with the other hand.
+    // The simulator's poses may be the left-handed ones.
     let finding = if sensor.sense_is_against_a_simulator() {
         finding.unless(codes::SENSOR09)
     } else {

@@ -1,4 +1,4 @@
-//! AXES04: which way the yaw of an orientation turns, and where its zero is.
+//! AXES04: sense and zero of the yaw of an orientation.
 
 use crate::advice::diagnosis::{defer, explain};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
@@ -24,7 +24,7 @@ impl Rule for HeadingConvention {
                     continue;
                 }
             };
-            // Which way it turns is no matter where it turns as it should: the zero is what is looked for then.
+            // With the right sense, the plot is about the zero.
             let plotted = match decided.class() {
                 causes::Heading::Against => subject.clone(),
                 causes::Heading::With => zero_of(&subject),
@@ -33,7 +33,7 @@ impl Rule for HeadingConvention {
             match decided.class() {
                 causes::Heading::Against => {
                     let finding = clockwise(imu, &subject, decided, &sensor.diagnosis, limits);
-                    // Poses of a simulator may be the ones with the other hand.
+                    // The simulator's poses may be the left-handed ones.
                     out.fail(if sensor.heading_is_against_a_simulator() {
                         finding.unless(codes::SENSOR09)
                     } else {
@@ -49,58 +49,60 @@ impl Rule for HeadingConvention {
     }
 }
 
-/// What is judged of where a yaw is zero.
+/// Subject of the outcome on the zero of a yaw.
 fn zero_of(subject: &str) -> String {
     format!("zero of the {subject}")
 }
 
-/// A yaw that turns against the course.
+/// A yaw that increases clockwise.
 fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis, limits: &Limits) -> Finding {
     let heading = &decided.heading;
     let offset = heading.offset_rad.to_degrees();
     let (from, to) = heading.span_s.unwrap_or_default();
     let zero = if !decided.is_geodetic {
-        "where its zero is cannot be told from this track".to_owned()
+        "This track does not know east, so the zero of the yaw is not compared.".to_owned()
     } else if (offset - 90.0).abs() <= 30.0 {
-        format!("the offset of {offset:.0} deg is that of a heading counted from north")
+        format!("The offset of {offset:.0} deg is that of a heading counted from north.")
     } else {
-        format!("with an offset of {offset:.0} deg, where a heading from north has 90")
+        format!("The offset is {offset:.0} deg, while a heading counted from north has 90 deg.")
     };
     let message = format!(
-        "the yaw of `{}` grows clockwise: it turns against the course of {} from {from:.0} to {to:.0} s; {zero}{}",
-        imu.stream.topic,
-        decided.track,
-        diagnosis.words()
+        "`{}`: yaw increases clockwise, opposite to the course of {}",
+        imu.stream.topic, decided.track
     );
-    let otherwise = "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading`; of a whole NED/FRD orientation \
-         `R_enu_flu = P * R_ned_frd * F`";
+    let otherwise = "publish `yaw_ros = pi/2 - heading` (REP-103: counter-clockwise from east), or convert the whole NED/FRD orientation: \
+         `R_enu_flu = P * R_ned_frd * F` (P: NED to ENU, F: FRD to FLU)";
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
+        .detail(format!("Compared from {from:.0} to {to:.0} s. {zero}"))
         .relation("clockwise-yaw");
     let finding = explain(diagnosis, imu, Aspect::Heading, finding, otherwise).related(decided.track_at.clone(), TRACK);
     finding.measured(decided.measured(limits))
 }
 
-/// Where the zero of a yaw is that turns with the course.
+/// Zero of a yaw with the right sense.
 fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
     let offset = match decided.offset_rad() {
         Ok(offset_rad) => format!("{:.0} deg", offset_rad.to_degrees()),
         Err((why, reason)) => return out.not_evaluated(subject, why, reason),
     };
     if decided.heading.offset_resultant < limits.min_resultant {
-        return out.too_little(subject, format!("{offset} from the course on the whole, and not steadily so"));
+        return out.too_little(
+            subject,
+            format!("yaw minus course is {offset} on average, but not steady"),
+        );
     }
     let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
         return out.pass(subject, [decided.offset()]);
     };
-    // What nothing ties to a base may hang as it likes.
+    // A sensor that is tied to no base may have any attitude.
     if imu.mount.is_some() && !is_upright(imu) {
         let why = format!(
-            "{offset} from the course, by an orientation on its side or on its head: that is no matter of its zero"
+            "yaw minus course is {offset}, but the orientation is on its side or upside down, so its zero is not judged"
         );
         return out.not_applicable(subject, why);
     }
-    // A base whose x does not point forward turns every sensor on it.
+    // A base whose x does not point forward offsets every sensor on it.
     let by_base = |rad: f64| {
         let offset_deg = decided.heading.offset_rad.to_degrees();
         apart_deg(offset_deg, rad.to_degrees()) <= limits.max_spread_deg
@@ -116,27 +118,26 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     out.fail(finding.measured(decided.measured(limits)));
 }
 
-/// A zero that is far from east, where the track knows east.
+/// A zero that is far from east, if the track knows east.
 fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
     let offset = decided.large_offset_deg(limits)?;
     let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let what = if near(90.0) {
-        "as of a sensor turned to the left and not said"
+        "a sensor rotated to the left that TF does not include"
     } else if near(-90.0) {
-        "as of a yaw that is zero in the north, a body whose y axis points forward, or a sensor turned to the right and not said"
+        "a yaw that is zero in the north, a body whose y axis points forward, or a sensor rotated to the right that TF does not include"
     } else if near(180.0) {
-        "as of a sensor mounted backwards, or a drive in reverse"
+        "a sensor mounted backwards that TF does not include, or a drive in reverse"
     } else {
-        "as of a magnetometer beside steel, or a mounting angle that is not said"
+        "a magnetometer near steel, or a mounting yaw that TF does not include"
     };
     let message = format!(
-        "the yaw of `{}` is {offset:.0} deg from the course of {}, {what}; {}",
-        imu.stream.topic,
-        decided.track,
-        imu.mounting()
+        "`{}`: yaw is {offset:.0} deg from the course of {}",
+        imu.stream.topic, decided.track
     );
-    let finding = Finding::warning(subject, message, imu.stream.place());
-    // Where yaw is zero is a guess, unless the user says it, or it is a quarter turn to the degree in every direction.
+    let detail = format!("Possible causes: {what}. Mounting: {}.", imu.mounting());
+    let finding = Finding::warning(subject, message, imu.stream.place()).detail(detail);
+    // The zero is a guess, unless the user declares it, or it is 90 degrees within a degree in every direction.
     let is_quarter = imu.mount.is_some() && decided.is_a_quarter_turn(offset, limits);
     let finding = if imu.stream.expressed_in.declares_world() || is_quarter {
         finding.likely()
@@ -144,6 +145,9 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
         finding.hint()
     };
     Some(
-        imu.stream.expressed_in.tell(finding).help("compare with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that uses it"),
+        imu.stream.expressed_in.tell(finding).help(
+            "compare the yaw with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that \
+             uses it",
+        ),
     )
 }

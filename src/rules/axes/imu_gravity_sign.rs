@@ -1,4 +1,4 @@
-//! AXES01: where an accelerometer's up is, in the platform's base.
+//! AXES01: direction of an accelerometer's reading at rest, in the platform's base.
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::base_up::{Limits, Up};
@@ -22,7 +22,7 @@ impl Rule for ImuGravitySign {
 fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &Up, limits: &Limits, out: &mut Judge) {
     let degrees = up.angle_rad.to_degrees();
     let measured = [
-        Measured::new("angle of the acceleration to z of the base", degrees, "deg")
+        Measured::new("angle between the acceleration and z of the base", degrees, "deg")
             .limit(limits.warning_deg)
             .samples(up.rows),
         Measured::new(if up.at_rest { "time at rest" } else { "time" }, up.seconds, "s"),
@@ -35,26 +35,34 @@ fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &Up, limits: &L
     } else {
         Severity::Warning
     };
+    let base = imu
+        .mount
+        .as_ref()
+        .map_or_else(|| "the base".to_owned(), |mount| format!("`{}`", mount.base));
     let message = format!(
-        "at rest and level the acceleration of `{}` should point up, and points {} ({degrees:.0} deg from z of the base; {}){}",
+        "`{}`: acceleration points {} in {base} ({degrees:.0} deg from up)",
         imu.stream.topic,
-        words(up),
-        imu.mounting(),
-        sensor.diagnosis.words()
+        words(up)
     );
-    let otherwise = "give the sensor's frame its rotation in TF or URDF; an accelerometer reads +9.81 on the axis that points \
-                     up (REP-145)";
-    let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
+    let detail = format!(
+        "At rest and level, an accelerometer reads +9.81 m/s2 along the axis that points up. Mounting: {}.",
+        imu.mounting()
+    );
+    let otherwise = "add the sensor's rotation to its frame in TF or URDF: an accelerometer at rest reads +9.81 m/s2 along \
+                     the axis that points up (REP-145)";
+    let finding = Finding::new(severity, subject, message, imu.stream.place())
+        .likely()
+        .detail(detail);
     let finding = explain(&sensor.diagnosis, imu, Aspect::Base, finding, otherwise);
     out.fail(finding.measured(measured));
 }
 
-/// Where the acceleration points, in words.
+/// Direction of the acceleration, in words.
 fn words(up: &Up) -> &'static str {
     let [x, y, z] = [up.direction.x, up.direction.y, up.direction.z];
     let most = x.abs().max(y.abs()).max(z.abs());
     if z.abs() >= most {
-        if z > 0.0 { "aslant up" } else { "down" }
+        if z > 0.0 { "obliquely up" } else { "down" }
     } else if x.abs() >= most {
         if x > 0.0 { "forward" } else { "backward" }
     } else if y > 0.0 {

@@ -46,13 +46,16 @@ impl Rule for ImuUnits {
 fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let subject = format!("acceleration of {}", imu.stream.subject);
     let Some(force) = imu.inertial.force.filter(|force| *force > 0.0) else {
-        return out.not_applicable(subject, "it gives no acceleration: zeros in every message");
+        return out.not_applicable(subject, "its messages hold no acceleration (all zero)");
     };
     let seconds = imu.stream.seconds();
     if seconds < limits.min_s {
-        return out.too_little(subject, format!("{seconds:.1} s of it, {} s are needed", limits.min_s));
+        return out.too_little(
+            subject,
+            format!("only {seconds:.1} s are recorded, {} s are needed", limits.min_s),
+        );
     }
-    let measured = Measured::new("median length of the acceleration", force, "m/s2")
+    let measured = Measured::new("median magnitude of the acceleration", force, "m/s2")
         .limit(limits.gravity)
         .samples(imu.stream.rows().count() as u64);
     let is_near = |length: f64, unit: f64| (length / unit - 1.0).abs() <= limits.gravity_share;
@@ -60,48 +63,50 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if near(limits.gravity) {
         return out.pass(subject, measured);
     }
-    // Lift and curves make what is felt longer, all the way: turned into the world it is gravity again.
+    // Lift and curves can raise the magnitude throughout a recording: rotated into the world the mean is gravity again.
     let world = world_mean(imu).map(|mean| mean.norm());
     if let Some(world) = world.filter(|world| is_near(*world, limits.gravity)) {
-        let of_world = Measured::new("length of the mean, turned into the world", world, "m/s2");
+        let of_world = Measured::new("magnitude of the mean acceleration in the world", world, "m/s2");
         return out.pass(subject, [measured, of_world.limit(limits.gravity)]);
     }
-    // A drive ends as fast as it began: without gravity nothing is left in the mean.
+    // A drive ends about as fast as it began: without gravity the mean is near zero.
     let is_free = force <= limits.max_free
         && seconds >= limits.min_motion_s
         && mean_length(imu).is_some_and(|mean| mean <= limits.max_mean && mean <= force / 2.0);
     let is_removed = force <= limits.max_removed || is_free;
     if near(1.0) && !is_free && !is_steady(imu, force, limits) {
         let why = format!(
-            "its length is {force:.2} in the median, as in units of g, or of a vehicle that speeds up without gravity"
+            "median magnitude {force:.2}: either the unit is g, or gravity is removed and the vehicle accelerates"
         );
         return out.too_little(subject, why);
     }
     let (what, help, relation) = if near(1.0) && !is_free {
-        let help = "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2";
-        ("as in units of gravity (g)", help, None)
+        let help = "multiply the acceleration by 9.80665: sensor_msgs/Imu requires m/s2 (REP-145)";
+        ("the unit is g", help, None)
     } else if near(100.0 * limits.gravity) || near(1000.0) {
-        // 981 and 1000: no drive tells them apart.
-        let help = "divide it by 100, or multiply it by 0.00980665, as the data sheet says: sensor_msgs/Imu wants m/s2";
-        ("as in cm/s2 or in thousandths of g", help, None)
+        // 981 and 1000: no drive distinguishes them.
+        let help = "divide the acceleration by 100 (cm/s2) or multiply it by 0.00980665 (mg), whichever unit the data sheet \
+                    states: sensor_msgs/Imu requires m/s2";
+        ("the unit is cm/s2 or mg", help, None)
     } else if near(1000.0 * limits.gravity) {
-        ("as in mm/s2", "divide it by 1000: sensor_msgs/Imu wants m/s2", None)
+        let help = "divide the acceleration by 1000: sensor_msgs/Imu requires m/s2";
+        ("the unit is mm/s2", help, None)
     } else if is_removed {
-        let help = "publish the specific force, gravity included (REP-145): filters take it off themselves";
-        ("as where gravity was taken off", help, None)
+        let help = "publish the specific force, gravity included (REP-145): filters subtract gravity themselves";
+        ("gravity is removed", help, None)
     } else if force > limits.max_free
         && seconds >= limits.min_motion_s
         && is_steady(imu, force, limits)
         && !reaches_gravity(imu, force, limits)
     {
-        let help = "compare the full scale of the accelerometer (LSB per g) with its data sheet, and the fields with the message's";
-        ("steady, and gravity in no unit that is known", help, Some(UNEXPLAINED))
+        let help = "compare the accelerometer's full scale (LSB per g) with its data sheet, and the fields with the message definition";
+        ("no known unit fits", help, Some(UNEXPLAINED))
     } else {
-        let why = format!("its length is {force:.2} in the median, which is gravity in no unit that is known");
+        let why = format!("median magnitude {force:.2}: not gravity in any known unit");
         return out.too_little(subject, why);
     };
     let message = format!(
-        "the acceleration of `{}` has a length of {force:.2} in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
+        "`{}`: median acceleration is {force:.2} instead of 9.81 m/s2: {what}",
         imu.stream.topic
     );
     let place = imu.stream.place();
@@ -110,10 +115,11 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         None => Finding::error(subject, message, place),
         Some(relation) => Finding::error(subject, message, place).relation(relation),
     };
-    out.fail(finding.likely().help(help).measured(measured));
+    let detail = format!("The median is taken over {seconds:.0} s.");
+    out.fail(finding.likely().detail(detail).help(help).measured(measured));
 }
 
-/// Length of the mean of the acceleration in the sensor's axes, m/s² by definition.
+/// Magnitude of the mean acceleration in the sensor's axes, m/s² by definition.
 fn mean_length(imu: &Imu) -> Option<f64> {
     let forces = imu
         .stream
@@ -125,8 +131,7 @@ fn mean_length(imu: &Imu) -> Option<f64> {
     (!forces.is_empty()).then(|| (forces.iter().sum::<Vector3<f64>>() / forces.len() as f64).norm())
 }
 
-/// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical: another reading
-/// makes a vertical of anything.
+/// Whether an acceleration is as steady as gravity and, rotated into the world by the orientation as published, vertical.
 fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
     let off: Vec<f64> = lengths(imu).map(|length| (length - force).abs()).collect();
     let is_even = median(&off).is_some_and(|off| off <= limits.max_uneven * force);
@@ -134,20 +139,20 @@ fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
     is_even && (imu.inertial.gravity.is_none() || world_mean(imu).is_some_and(is_upright))
 }
 
-/// Whether the acceleration is at times as long as gravity, so that it is the motion that makes it longer or shorter.
+/// Whether the magnitude reaches gravity at times, so that motion explains the rest.
 fn reaches_gravity(imu: &Imu, force: f64, limits: &Limits) -> bool {
     let reaches = |length: &f64| (length - limits.gravity) * (force - limits.gravity) <= 0.0;
     lengths(imu).filter(reaches).count() as f64 > limits.max_reached * lengths(imu).count() as f64
 }
 
-/// Lengths of the acceleration, m/s² by definition.
+/// Magnitudes of the acceleration, m/s² by definition.
 fn lengths(imu: &Imu) -> impl Iterator<Item = f64> {
     imu.stream
         .rows()
         .map(|timed| Vector3::from(timed.row.linear_acceleration).norm())
 }
 
-/// Mean of the acceleration, turned into the world by the orientation, m/s² by definition.
+/// Mean acceleration, rotated into the world by the orientation, m/s² by definition.
 fn world_mean(imu: &Imu) -> Option<Vector3<f64>> {
     Some(imu.inertial.gravity.as_ref()?.mean(Reading::Xyzw)?.mean_m_s2)
 }
@@ -158,7 +163,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         return out.not_applicable(subject, why);
     }
     let Some(turns) = &imu.inertial.turns else {
-        return out.too_little(subject, "no unbroken second of orientation and rate");
+        return out.too_little(subject, "no gap-free second with both orientation and angular velocity");
     };
     let Some(score) = turns
         .scores
@@ -167,32 +172,32 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     else {
         return;
     };
-    // What the orientation turned, whatever the gyro's unit.
+    // Rotation by the orientation, which does not depend on the gyro's unit.
     let turned_deg = turned_rad(score.turn_power, turns.active).to_degrees();
     if turned_deg < limits.min_rotation_deg || !score.gain.is_finite() {
         let why = format!(
-            "the orientation turns by {turned_deg:.0} deg in windows with a rate, {} deg are needed",
+            "the orientation rotates by only {turned_deg:.0} deg while the gyro is recorded, {} deg are needed",
             limits.min_rotation_deg
         );
         return out.too_little(subject, why);
     }
     if turns.covered_s < limits.min_turning_s {
         let why = format!(
-            "{:.1} s of orientation and rate: what a scale looks like in so short a time may be noise, {} s are needed",
+            "only {:.1} s of orientation with angular velocity, {} s are needed to separate a scale factor from noise",
             turns.covered_s, limits.min_turning_s
         );
         return out.too_little(subject, why);
     }
     if score.gain_correlation.abs() < limits.min_correlation {
         let why = format!(
-            "the orientation does not follow the rate under any reading (correlation {:.2} as {})",
+            "the orientation does not follow the gyro in any quaternion convention (best correlation {:.2}, as {})",
             score.gain_correlation,
             score.reading.word()
         );
         return out.too_little(subject, why);
     }
     let gain = score.gain.abs();
-    let measured = Measured::new("turning of the orientation, over that of the gyro", gain, "1")
+    let measured = Measured::new("rotation by the orientation over rotation by the gyro", gain, "1")
         .limit(limits.gain_share)
         .samples(turns.active as u64);
     let near = |value: f64| (gain / value - 1.0).abs() <= limits.gain_share;
@@ -200,7 +205,9 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let rest = (1.0 - score.gain_correlation * score.gain_correlation).max(0.0);
     let error = gain / score.gain_correlation.abs() * (rest / (3.0 * turns.active as f64 - 1.0).max(1.0)).sqrt();
     if !near(1.0) && (gain - 1.0).abs() < limits.min_t * error {
-        let why = format!("the orientation turns {gain:.2} times as far as its gyro says, give or take {error:.2}");
+        let why = format!(
+            "the orientation rotates {gain:.2} +- {error:.2} times as far as its gyro: not distinguishable from 1"
+        );
         return out.too_little(subject, why);
     }
     if near(1.0) {
@@ -208,25 +215,28 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     }
     if let Some(upper) = bound_that_reaches_one(gain, score.gain_correlation, limits.gain_share) {
         let why = format!(
-            "the orientation turns {gain:.2} to {upper:.2} times as far as its gyro says, by which of the two is noise"
+            "the orientation rotates {gain:.2} to {upper:.2} times as far as its gyro, depending on which of the two is noisy"
         );
         return out.too_little(subject, why);
     }
     let (what, help) = if near(1f64.to_radians()) {
         (
             "the gyro is in deg/s",
-            "multiply it by pi/180: sensor_msgs/Imu wants rad/s",
+            "multiply the angular velocity by pi/180: sensor_msgs/Imu requires rad/s",
         )
     } else if near(1f64.to_degrees()) {
         (
-            "the gyro was made radians twice",
-            "take one multiplication by pi/180 out",
+            "the gyro is converted to radians twice",
+            "remove one of the two multiplications by pi/180",
         )
     } else {
-        ("its scale is wrong", "compare the gyro's scale with its data sheet")
+        (
+            "the gyro's scale factor is wrong",
+            "compare the gyro's scale factor with its data sheet",
+        )
     };
     let message = format!(
-        "the orientation of `{}` turns {gain:.4} times as far as its gyro says: {what}",
+        "`{}`: {what} (the orientation rotates {gain:.4} times as far)",
         imu.stream.topic
     );
     let mut finding = if near(1f64.to_radians()) || near(1f64.to_degrees()) {
@@ -238,13 +248,13 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if score.reading != Reading::Xyzw {
         finding = finding.related(
             imu.stream.place(),
-            format!("under the reading {}", score.reading.word()),
+            format!("with the quaternion read as {}", score.reading.word()),
         );
     }
     out.fail(finding);
 }
 
-/// Rotation that windows with this power hold at least, radians: windows of one size hold the most for their power.
+/// Lower bound of the rotation in windows with this power, radians: windows of equal rotation have the most for their power.
 fn turned_rad(power: f64, windows: usize) -> f64 {
     (power * windows as f64).sqrt()
 }

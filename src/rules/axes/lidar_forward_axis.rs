@@ -1,4 +1,4 @@
-//! AXES12: where the x axis of a lidar points, by the way it goes.
+//! AXES12: direction of a lidar's x axis, by its direction of motion.
 
 use crate::analysis::axes::forward::{Limits, Yaw, look};
 use crate::analysis::{hand_eye::HandEye, lidar::Clouds, sensor::lidar_turn, sensor::lidar_turn::Origin};
@@ -21,6 +21,10 @@ impl Rule for LidarForwardAxis {
     }
 }
 
+/// The cause of a quarter turn.
+const OTHER_DRIVER: &str = "the mounting is for another driver or for the raw sensor (some drivers keep azimuth 0 on y, others rotate it \
+     to x)";
+
 fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("forward");
     let measured = yaw.measured(limits);
@@ -30,7 +34,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     let off_deg = yaw.off_deg.abs();
     if off_deg <= limits.pass_deg + 2.0 * yaw.error_deg {
         let why = format!(
-            "the mounting lacks a yaw of {off_deg:.1} deg, give or take {:.1}, and {} are allowed",
+            "the mounting lacks a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
             yaw.error_deg, limits.pass_deg
         );
         return out.too_little(subject, why);
@@ -38,23 +42,21 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     let direction = crate::analysis::cross::direction::seen(world, clouds);
     let quarters = yaw.quarters(limits);
     let (relation, what) = match quarters {
-        Some(1) => (
-            "z90",
-            "some drivers leave azimuth 0 on y, where others turn it to x: the mounting is for another driver, or for the raw sensor",
-        ),
-        Some(-1) => (
-            "z-90",
-            "some drivers leave azimuth 0 on y, where others turn it to x: the mounting is for another driver, or for the raw sensor",
-        ),
-        Some(2 | -2) => ("z180", "the sensor looks back"),
-        _ => ("yaw", "the mounting is turned otherwise than its transform says"),
+        Some(1) => ("z90", OTHER_DRIVER),
+        Some(-1) => ("z-90", OTHER_DRIVER),
+        Some(2 | -2) => ("z180", "the sensor faces backwards"),
+        _ => ("yaw", "the mounting is rotated differently than its transform states"),
     };
     let error_rad = (limits.pass_deg + 2.0 * yaw.error_deg).to_radians();
     let or =
         crate::analysis::cross::direction::doubt(direction.as_ref(), &known.told, yaw.off_deg.to_radians(), error_rad);
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{or}",
-        known.body, known.lidar, yaw.off_deg, clouds.topic.topic, known.poses.0
+        "`{}_from_{}` lacks a yaw of {:+.1} deg, by the scans on `{}`",
+        known.body, known.lidar, yaw.off_deg, clouds.topic.topic
+    );
+    let detail = format!(
+        "The scans move in another direction than {}. Probable cause: {what}{or}.",
+        known.poses.0
     );
     let finding = if off_deg > limits.error_deg {
         Finding::error(subject, message, clouds.place())
@@ -64,9 +66,10 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     let finding = finding
         .likely()
         .relation(relation)
-        .related(known.poses.1.clone(), "where it went")
+        .detail(detail)
+        .related(known.poses.1.clone(), "motion compared with")
         .help(format!(
-            "turn the mounting by {:+.1} deg about z of `{}`, in front of the rotation that is there",
+            "rotate the mounting by {:+.1} deg about z of `{}` (multiply from the left of the existing rotation)",
             yaw.off_deg, known.body
         ))
         .unless(codes::CROSS04);

@@ -1,4 +1,4 @@
-//! AXES08: the velocity of odometry against the motion of its own pose.
+//! AXES08: the velocity of odometry compared with the motion of its own pose.
 
 use crate::analysis::axes::twist::{Limits, Reading, Twists};
 use crate::analysis::axes::twist_frame::{SIDE_BETTER, has_twist};
@@ -28,7 +28,8 @@ impl Rule for OdomTwistFrame {
             for stream in bag.poses.iter().filter(|stream| has_twist(stream)) {
                 if is_reordered(stream, &world.limits()) {
                     let subject = format!("velocity of {}", stream.subject);
-                    let why = "the orientation is level only when it is read as w x y z: its axes say nothing of the velocity";
+                    let why =
+                        "the orientation is level only when it is read as w, x, y, z: fix the quaternion order first";
                     out.not_applicable(subject, why);
                     continue;
                 }
@@ -39,7 +40,7 @@ impl Rule for OdomTwistFrame {
                 } else {
                     judge_linear(stream, &twists, limits, out);
                 }
-                // An inverse orientation turns against its yaw rate as well.
+                // An inverted orientation also rotates opposite to its yaw rate.
                 let is_inverse = pose.is_some_and(|(best, _)| best.0 == Reading::Inverse);
                 let cause = is_inverse.then(|| format!("velocity of {}", stream.subject));
                 judge_turning(stream, &twists, cause, limits, out);
@@ -48,7 +49,7 @@ impl Rule for OdomTwistFrame {
     }
 }
 
-/// The reading of a wrong pose that explains what no reading of the velocity does, and the next one.
+/// The wrong pose that explains the motion, if no reading of the velocity does, and the next best one.
 fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Reading, f64))> {
     if twists.distance_m < limits.min_distance_m || twists.is_zero {
         return None;
@@ -58,8 +59,8 @@ fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Read
     let best = *of_pose.first()?;
     let second = [of_pose.get(1), of_twist.first()].into_iter().flatten();
     let second = *second.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let is_told = second.1 >= limits.min_ratio * best.1.max(limits.max_residual / 10.0);
-    (best.1 <= limits.max_residual && of_twist.first()?.1 > limits.max_residual && is_told).then_some((best, second))
+    let is_clear = second.1 >= limits.min_ratio * best.1.max(limits.max_residual / 10.0);
+    (best.1 <= limits.max_residual && of_twist.first()?.1 > limits.max_residual && is_clear).then_some((best, second))
 }
 
 fn fail_pose(
@@ -71,28 +72,30 @@ fn fail_pose(
     out: &mut Judge,
 ) {
     let as_defined = twists.residual(Reading::Body);
-    // A position that is a mirror image of a plane is one that is turned about an axis in it: z of the orientation tells.
+    // In a plane, a mirrored position is also one rotated about a horizontal axis: z of the orientation distinguishes the two.
     let (words, word, help) = if twists.is_upside_down && best.0 != Reading::Inverse {
         (
-            "right, and the orientation is expressed in a world with z down, the position in one with z up",
+            "orientation has z down, while the position has z up",
             "z-down",
-            "tell position and orientation in one world: `R_enu = P * R_ned`, and (y, x, -z) of the position",
+            "express position and orientation in the same world: `R_enu = P * R_ned` (P: NED to ENU), position (y, x, -z)",
         )
     } else {
         (best.0.words(), best.0.word(), best.0.help())
     };
     let message = format!(
-        "the velocity on {} is {words}: so read it leaves {:.1} % of the motion of the pose, as published {:.0} %",
+        "`{}`: {words} (corrected, it matches the velocity to {:.1} %)",
         stream.topic,
-        100.0 * best.1,
-        100.0 * as_defined
+        100.0 * best.1
     );
     let measured = |reading: (Reading, f64)| {
         Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
             .limit(limits.max_residual)
             .samples(twists.windows)
     };
-    let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place());
+    let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(format!(
+        "As published, the velocity leaves {:.0} % of the pose's motion unexplained, and no other reading of the velocity explains it.",
+        100.0 * as_defined
+    ));
     out.fail(
         stream
             .expressed_in
@@ -112,13 +115,13 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     if twists.distance_m < limits.min_distance_m {
         let why = format!(
-            "the pose moves {:.2} m within unbroken windows, {} m are needed",
+            "the pose moves only {:.2} m in gap-free windows, {} m are needed",
             twists.distance_m, limits.min_distance_m
         );
         return little(why, out);
     }
     if twists.is_zero {
-        let why = "the velocity is zero in every message, though the pose moves: it is not filled in";
+        let why = "the velocity is zero in every message although the pose moves: it is not filled in";
         return out.missing(&subject, why);
     }
     let told = twists.told(limits.least_aside);
@@ -136,16 +139,16 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             return out.fail(scaled(stream, subject, twists, limits));
         }
         let why = format!(
-            "no reading of the velocity explains the motion of the pose: the best, {}, leaves {:.0} % of it",
+            "no reading of the velocity explains the motion of the pose: the best ({}) leaves a residual of {:.0} %",
             best.0.word(),
             100.0 * best.1
         );
         return little(why, out);
     }
-    // A residual of nearly nothing is no better than another one of nearly nothing.
+    // Differences between negligible residuals mean nothing.
     if second.1 < limits.min_ratio * best.1.max(limits.max_residual / 10.0) {
         let why = format!(
-            "this motion does not tell {} from {} (residuals {:.3} and {:.3}): it takes a turn",
+            "this motion cannot distinguish {} from {} (residuals {:.3} and {:.3}): record a turn",
             best.0.word(),
             second.0.word(),
             best.1,
@@ -157,8 +160,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         let mirrored = twists.residual(Reading::RightHand);
         if mirrored < SIDE_BETTER * best.1 {
             let why = format!(
-                "with y negated the velocity fits the motion better (residuals {mirrored:.3} and {:.3}), but it goes too little to the \
-                 side to tell",
+                "with y negated the velocity matches the motion better (residuals {mirrored:.3} and {:.3}), but there is too little \
+                 sideways motion to decide",
                 best.1
             );
             return little(why, out);
@@ -171,17 +174,24 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         .as_ref()
         .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
     let message = format!(
-        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position or the \
-         orientation beside it is wrong, and the velocity right)",
+        "`{}`: velocity {} {child} (residual {:.0} %)",
         stream.topic,
         best.0.words(),
-        100.0 * best.1,
         100.0 * as_defined
+    );
+    let also = match best.0 {
+        Reading::Backwards => " the orientation may be rotated by 180 deg about z relative to the position, or",
+        Reading::Swapped => " the orientation may be rotated by 90 deg about z relative to the position, or",
+        _ => "",
+    };
+    let detail = format!(
+        "The residual is the part of the pose's motion that the velocity does not explain. Instead,{also} the position or the \
+         orientation beside it may be wrong, and the velocity right."
     );
     out.fail(
         stream
             .expressed_in
-            .tell(Finding::error(&subject, message, stream.place()))
+            .tell(Finding::error(&subject, message, stream.place()).detail(detail))
             .likely()
             .relation(best.0.word())
             .help(best.0.help())
@@ -192,30 +202,34 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     );
 }
 
-/// A velocity that has the direction of the motion, and another size.
+/// A velocity with the right direction and the wrong magnitude.
 fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &Limits) -> Finding {
     let (times, left) = twists.scale;
     let unit = UNITS.iter().find(|(factor, _)| (times / factor - 1.0).abs() <= limits.max_residual / 10.0);
     let message = format!(
-        "the velocity on {} is {times:.4} times that of its own pose, in the same direction{}: divided by that it leaves {:.1} % of the \
-         motion of the pose, as published {:.0} %",
+        "`{}`: velocity is {times:.4} times that of its own pose{}",
         stream.topic,
-        unit.map_or_else(String::new, |(_, word)| format!(", as in {word}")),
-        100.0 * left,
-        100.0 * twists.residual(Reading::Body)
+        unit.map_or_else(String::new, |(_, word)| format!(": the unit is probably {word}"))
+    );
+    let detail = format!(
+        "The direction is correct: divided by this factor, the velocity leaves {:.1} % of the pose's motion unexplained.",
+        100.0 * left
     );
     let residual = Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
-    let finding = Finding::error(subject, message, stream.place()).likely().relation("scale");
+    let finding = Finding::error(subject, message, stream.place())
+        .likely()
+        .detail(detail)
+        .relation("scale");
     stream
         .expressed_in
         .tell(finding)
-        .help("publish metres per second (REP-103); or the position beside it is not in metres: compare a known distance")
+        .help("publish the velocity in m/s (REP-103); or, if a known distance shows that the position is not in metres, correct its unit")
         .measured(Measured::new("velocity over that of the pose", times, "1").samples(twists.windows))
         .measured(residual)
         .measured(Measured::new("distance", twists.distance_m, "m"))
 }
 
-/// Whether the motion shows that the orientation is no inverse one.
+/// Whether the motion rules out an inverted orientation.
 fn confirms_orientation(twists: &Twists, limits: &Limits) -> bool {
     let [as_defined, inverse] = [Reading::Body, Reading::Inverse].map(|reading| twists.residual(reading));
     twists.distance_m >= limits.min_distance_m
@@ -229,63 +243,66 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
     let turned_deg = turning.turned_rad.to_degrees();
     if turned_deg < limits.min_turn_deg {
         let why = format!(
-            "the pose turns {turned_deg:.0} deg within unbroken windows, {} deg are needed",
+            "the pose rotates by only {turned_deg:.0} deg in gap-free windows, {} deg are needed",
             limits.min_turn_deg
         );
         return out.too_little(&subject, why);
     }
     if turning.slope == 0.0 {
-        let why = "the turning velocity is zero in every message, though the pose turns: it is not filled in";
+        let why = "the yaw rate is zero in every message although the pose rotates: it is not filled in";
         return out.missing(&subject, why);
     }
-    let measured = Measured::new("yaw rate, over that of the pose", turning.slope, "1").samples(turning.windows);
+    let measured = Measured::new("yaw rate over that of the pose", turning.slope, "1").samples(turning.windows);
     let near = |value: f64| (turning.slope / value - 1.0).abs() <= limits.turn_agrees;
     if near(1.0) {
         out.pass(&subject, [measured]);
     } else if turning.correlation.abs() < limits.max_correlation() {
         let why = format!(
-            "the yaw rate does not follow the turning of the pose (correlation {:.2})",
+            "the yaw rate does not follow the rotation of the pose (correlation {:.2})",
             turning.correlation
         );
         out.too_little(&subject, why);
     } else if let Some(upper) = bound_that_reaches_one(turning.slope, turning.correlation, limits.turn_agrees) {
         let why = format!(
-            "the yaw rate is {:.2} to {upper:.2} times what its own pose turns, by which of the two is noise",
+            "the yaw rate is {:.2} to {upper:.2} times that of its pose, depending on which of the two is noisy",
             turning.slope
         );
         out.too_little(&subject, why);
     } else {
-        let (words, help) = if near(-1.0) && is_confirmed {
+        let (words, detail, help) = if near(-1.0) && is_confirmed {
             (
                 "has the opposite sign",
-                "publish the yaw rate counter-clockwise positive, z up (REP-103)",
+                "",
+                "publish the yaw rate positive for counter-clockwise turns about z up (REP-103)",
             )
         } else if near(-1.0) {
             (
-                "has the opposite sign, or it is the yaw of the orientation that grows clockwise, as that of the inverse one or of a \
-                 compass heading (these data cannot tell which)",
-                "publish the yaw rate counter-clockwise positive, z up (REP-103); or conjugate the quaternion (negate x, y and z); or \
-                 publish `yaw_ros = pi/2 - heading`",
+                "has the opposite sign",
+                "Instead, the yaw of the orientation may increase clockwise, as that of an inverted orientation or of a compass heading; \
+                 these data cannot distinguish the causes.",
+                "publish the yaw rate positive for counter-clockwise turns about z up (REP-103); or, if the orientation is wrong, \
+                 conjugate the quaternion (inverted) or publish `yaw_ros = pi/2 - heading` (compass heading)",
             )
         } else if near(1f64.to_degrees()) {
-            ("is in degrees", "publish rad/s (REP-103)")
+            ("is in deg/s", "", "publish the yaw rate in rad/s (REP-103)")
         } else {
             (
-                "disagrees, or the orientation beside it is wrong",
-                "publish rad/s about the child frame's z axis (REP-103)",
+                "does not match",
+                "Instead, the orientation beside it may be wrong.",
+                "publish the yaw rate in rad/s about the child frame's z axis (REP-103)",
             )
         };
         let message = format!(
-            "the yaw rate on {} {words}: {:.2} times what its own pose turns",
+            "`{}`: yaw rate {words} ({:.2} times that of its own pose)",
             stream.topic, turning.slope
         );
         let finding = stream
             .expressed_in
-            .tell(Finding::error(&subject, message, stream.place()))
+            .tell(Finding::error(&subject, message, stream.place()).detail(detail))
             .likely()
             .help(help)
             .measured(measured.limit(limits.turn_agrees))
-            .measured(Measured::new("turned", turned_deg, "deg"));
+            .measured(Measured::new("rotation", turned_deg, "deg"));
         out.fail(cause.into_iter().fold(finding, Finding::same_cause_as));
     }
 }

@@ -1,4 +1,4 @@
-//! AXES03: where the acceleration points in the world, by the orientation.
+//! AXES03: direction of the acceleration, rotated into the world by the orientation.
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, World};
@@ -25,7 +25,7 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, l
     let rows = above.rows as u64;
     let degrees = above.force.from_up_rad.to_degrees();
     let measured = [
-        Measured::new("angle of the mean acceleration to z of the world", degrees, "deg")
+        Measured::new("angle between the mean acceleration and z of the world", degrees, "deg")
             .turn()
             .limit(limits.max_tilt_deg)
             .samples(rows),
@@ -37,35 +37,34 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, l
     if above.class == World::Up {
         return out.pass(subject, measured);
     }
+    let along_z = above.force.mean_m_s2.z;
     let (severity, what) = match above.class {
-        World::Down => (Severity::Error, "points down".to_owned()),
-        World::Far => (
+        World::Down => (
             Severity::Error,
-            format!("points {degrees:.0} deg away from up in the mean, where a healthy one stays within some degrees"),
+            format!("points down ({along_z:+.2} m/s2 along world z)"),
         ),
-        _ => (
-            Severity::Warning,
-            format!("points {degrees:.1} deg away from up, steadily"),
-        ),
+        World::Far => (Severity::Error, format!("is {degrees:.0} deg from up on average")),
+        _ => (Severity::Warning, format!("is steadily {degrees:.1} deg from up")),
     };
     let message = format!(
-        "turned into the world by its own orientation, the acceleration of `{}` {what} ({:+.2} m/s2 along z over {:.0} s, \
-         concentration {:.3}){}",
-        imu.stream.topic,
-        above.force.mean_m_s2.z,
-        above.seconds,
-        above.force.concentration,
-        match above.class {
-            World::Leaning => String::new(),
-            World::Far => other_readings(above),
-            _ => sensor.diagnosis.words(),
-        }
+        "`{}`: rotated by its orientation, the acceleration {what}",
+        imu.stream.topic
     );
+    let detail = match above.class {
+        World::Down => "In a world with z up it is +9.81 m/s2 along z.".to_owned(),
+        World::Far => format!(
+            "It is {along_z:+.2} m/s2 along world z; a healthy mean stays within a few degrees of up. {}",
+            other_readings(above)
+        ),
+        _ => format!("It is {along_z:+.2} m/s2 along world z."),
+    };
     let otherwise =
-        "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)";
-    let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
+        "align the orientation with gravity: level and at rest, `R(q) * acceleration` is +9.81 m/s2 along z (REP-145)";
+    let finding = Finding::new(severity, subject, message, imu.stream.place())
+        .likely()
+        .detail(detail);
     let finding = match above.class {
-        // What turns wrongly points anywhere.
+        // An orientation that rotates wrongly points anywhere.
         World::Far => finding
             .relation(above.read_otherwise(limits).map_or(UNEXPLAINED, named))
             .help(otherwise)
@@ -77,18 +76,21 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, l
     out.fail(finding.measured(measured));
 }
 
-/// Where the acceleration points when the four numbers of the orientation are read in other ways.
+/// Direction of the acceleration with the quaternion in other conventions.
 fn other_readings(above: &Above) -> String {
     let words = above.others.iter().map(|mean| {
         let degrees = mean.from_up_rad.to_degrees();
         let how = match mean.reading {
             Reading::Conjugate => "as the inverse",
             Reading::Wxyz => "as w, x, y, z",
-            _ => "as w, x, y, z of the inverse",
+            _ => "as w, x, y, z and inverted",
         };
-        format!("{how} {degrees:.0} deg away (concentration {:.3})", mean.concentration)
+        format!(
+            "{how}: {degrees:.0} deg from up (concentration {:.3})",
+            mean.concentration
+        )
     });
-    format!("; read {}", words.collect::<Vec<_>>().join(", "))
+    format!("With the quaternion read {}.", words.collect::<Vec<_>>().join("; "))
 }
 
 fn named(reading: Reading) -> &'static str {

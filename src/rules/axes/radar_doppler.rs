@@ -1,5 +1,5 @@
-//! AXES15: a radar's range rates against the motion of its platform: their sign, the yaw of its mounting, and whether the motion has
-//! been taken out of them already.
+//! AXES15: a radar's range rates compared with the motion of its platform: their sign, the yaw of the mounting, and whether they are
+//! already ego-compensated.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ pub(crate) struct Limits {
 /// Why a radar is not judged.
 type Why = (NotEvaluated, String);
 
-/// Which way the ranges go that the rates tell of.
+/// Sign of the rates: of the growing range, or reversed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sign {
     AsPublished,
@@ -51,19 +51,19 @@ enum Sign {
     Unknown,
 }
 
-/// What the scans say together.
+/// Result of all scans.
 struct Seen {
-    /// From the expected direction of the way to the one by the rates, radians.
+    /// Angle from the expected direction of motion to the one by the rates, radians.
     off_rad: f64,
     error_rad: f64,
     resultant: f64,
     scale: f64,
     sign: Sign,
-    /// Detections found again with the sign as published, and with the other.
+    /// Detections found again with the sign as published, and with the opposite sign.
     found: [usize; 2],
     scans: usize,
     share: f64,
-    /// What turning adds at the radar, at most: m/s, and radians of the direction of its way.
+    /// Largest effect of rotation at the radar: m/s, and radians of its direction of motion.
     lever: [f64; 2],
 }
 
@@ -88,7 +88,7 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
     let evidence = radar.evidence;
     if evidence.speeds == SpeedForm::Components && evidence.sideways == 0 {
         let why = format!(
-            "`{}` are components of which the second is always zero: nothing says along what",
+            "`{}` are velocity components with the second always zero, so their axes are unknown",
             evidence.field
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
@@ -104,7 +104,7 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
         let (all, enough) = scans(radar, way, &wanted);
         (way, all, enough)
     };
-    // The first that is there often enough; else the one with the most scans.
+    // The first one with enough scans, else the one with the most.
     let mut best: Option<(&Way, Vec<Scan>, usize)> = None;
     for way in &ways {
         let other = of_way(way);
@@ -116,15 +116,15 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
         }
     }
     let Some((way, all, enough)) = best else {
-        let why = "no poses of a frame that its own is tied to, and no satellite fixes with a base that it is tied to, say how fast it goes";
+        let why = "no poses or GNSS fixes to compare with: record poses of a frame, or fixes with a base, that TF ties to the radar";
         return Err((NotEvaluated::MissingInput, why.to_owned()));
     };
     let is_agreed = |scan: &&Scan| scan.share >= limits.min_share;
     let agreed: Vec<Scan> = all.iter().filter(is_agreed).copied().collect();
     if agreed.len() < limits.min_scans {
         let why = format!(
-            "{enough} scans have {} detections, {} of these at more than {} m/s by {} and from enough directions, and in {} one velocity \
-             explains {:.0} % of them; {} are needed",
+            "{enough} scans have {} detections, {} of these at more than {} m/s (by {}) and from enough directions, and in {} of these one \
+             velocity explains {:.0} % of the detections; {} are needed",
             limits.min_detections,
             all.len(),
             limits.min_speed_m_s,
@@ -145,44 +145,40 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
     judge_seen(radar, way, &seen, limits, out)
 }
 
-/// The rates of what stands still are zero.
+/// The rates of static objects are zero.
 fn judge_still(radar: &Radar, way: &Way, agreed: &[Scan], limits: &Limits, out: &mut Judge) -> Result<(), Why> {
     let of = |value: fn(&Scan) -> f64| median(&agreed.iter().map(value).collect::<Vec<_>>()).unwrap_or(f64::NAN);
     let (speed, fitted) = (of(|scan| scan.expected.norm()), of(|scan| scan.fitted.norm()));
     let (share, as_expected) = (of(|scan| scan.share), of(|scan| scan.as_expected));
     let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
     if radar.evidence.form == RadarForm::Tracks {
-        return little(
-            "the tracks' velocities are those over ground, which their type leaves open: they do not show the mounting"
-                .to_owned(),
-        );
+        return little("the velocities of the tracks are over ground, which does not show the mounting".to_owned());
     }
-    // Among vehicles of the same speed most rates are nothing, too, but those of the roadside are not.
+    // Among vehicles of the same speed most rates are zero as well, but those of the roadside are not.
     if as_expected > limits.max_as_expected {
         return little(format!(
-            "most detections move with the platform, and {:.0} % have the rates of what stands still: both are likely",
+            "most detections move with the platform, and {:.0} % have the rates of static objects: ambiguous",
             as_expected * 100.0
         ));
     }
     let subject = subject(radar);
     let message = format!(
-        "`{}` on {} is {fitted:.2} m/s by what most detections agree on, at {speed:.1} m/s by {}: the platform's own motion has been taken out \
-         of it already",
+        "`{}` on {} is already ego-compensated ({fitted:.2} m/s at a speed of {speed:.1} m/s)",
         radar.evidence.field,
-        radar.said.subject(),
-        way.subject
+        radar.said.subject()
     );
     let finding = Finding::warning(subject, message, radar.place())
         .confidence(confidence(radar))
         .relation("ego-compensated")
-        .related(way.place.clone(), "how fast it goes")
+        .detail(format!("Most detections agree on this velocity; the speed is by {}.", way.subject))
+        .related(way.place.clone(), "motion compared with")
         .measured(Measured::new("velocity by the rates", fitted, "m/s").limit(limits.still * speed).samples(agreed.len() as u64))
         .measured(Measured::new("speed", speed, "m/s").limit(limits.min_speed_m_s))
         .measured(Measured::new("share of the detections that agree", share, "1").limit(limits.min_share))
-        .measured(Measured::new("share with the rates of what stands still", as_expected, "1").limit(limits.max_as_expected))
+        .measured(Measured::new("share with the rates of static objects", as_expected, "1").limit(limits.max_as_expected))
         .help(
-            "publish the measured range rate, and the compensated one in a field of its own: who takes the motion out once more gets \
-             the whole street moving",
+            "publish the measured range rate, and the compensated one in its own field: a consumer that compensates again sees static \
+             objects move",
         );
     out.fail(finding);
     Ok(())
@@ -192,7 +188,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
     if scans.len() < limits.min_scans {
         return little(format!(
-            "what most detections agree on moves with the platform in some scans, and {} others are too few; {} are needed",
+            "in some scans most detections move with the platform, and only {} other scans remain, {} are needed",
             scans.len(),
             limits.min_scans
         ));
@@ -201,15 +197,15 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     let sideways_deg = of(&|scan| scan.body[0].y.abs().atan2(scan.body[0].x.abs())).to_degrees();
     if way.knows_forward() && sideways_deg > limits.max_sideways_deg {
         return little(format!(
-            "by {} the platform goes {sideways_deg:.0} deg aside of its own x axis: its orientation is no measure for a mounting",
+            "by {} the platform moves {sideways_deg:.0} deg off its own x axis, so its orientation cannot verify a mounting",
             way.subject
         ));
     }
     let scale = of(&|scan| scan.fitted.norm() / scan.expected.norm());
-    // Also true where it is no number.
+    // Also true for NaN.
     if !(limits.min_scale..=limits.max_scale).contains(&scale) {
         return little(format!(
-            "by the range rates it goes {scale:.2} times as fast as by {}: one of them is no measure for the other",
+            "the speed by the range rates is {scale:.2} times that by {}, so the two cannot be compared",
             way.subject
         ));
     }
@@ -225,7 +221,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     let error = |sd_rad: f64| sd_rad / (runs.len() as f64).sqrt();
     let Some(mean) = steady.filter(|mean| error(mean.sd_rad()).to_degrees() <= limits.max_error_deg) else {
         return little(format!(
-            "the way by the range rates and that by {} have no steady angle between them",
+            "the angle between the directions of motion by the range rates and by {} is not steady",
             way.subject
         ));
     };
@@ -237,8 +233,8 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     let is_more =
         |more: usize, less: usize| more >= limits.min_found && more as f64 >= limits.found_ratio * less as f64;
     let sign = match found {
-        [told, other] if is_more(told, other) => Sign::AsPublished,
-        [told, other] if is_more(other, told) => Sign::Reversed,
+        [same, other] if is_more(same, other) => Sign::AsPublished,
+        [same, other] if is_more(other, same) => Sign::Reversed,
         _ => Sign::Unknown,
     };
     let lever = |scan: &Scan| {
@@ -269,7 +265,7 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
     let is_half_turn = half_turn_off_deg <= limits.half_turn_deg;
     if is_back && !way.knows_forward() && seen.sign != Sign::Reversed {
         let why = format!(
-            "it goes backward by its range rates, and {} do not tell forward from backward",
+            "it moves backward by its range rates, and {} cannot distinguish forward from backward",
             way.subject
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
@@ -279,7 +275,7 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
     if is_reversed || is_open {
         out.fail(reversed(radar, way, seen, is_reversed, limits));
     }
-    // With the sign as it should be, the way lies opposite.
+    // With the correct sign, the direction of motion is opposite.
     let off_rad = if is_reversed || is_open {
         wrapped(seen.off_rad + PI)
     } else {
@@ -297,7 +293,7 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
             return Ok(());
         }
         let why = format!(
-            "the mounting lacks a yaw of {off_deg:.1} deg, give or take {:.1}, and {} are allowed",
+            "the mounting lacks a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
             seen.error_rad.to_degrees(),
             limits.pass_deg
         );
@@ -307,31 +303,36 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
     Ok(())
 }
 
-/// The sign of the rates is that of approaching.
+/// The rates are positive for approaching objects.
 fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limits) -> Finding {
-    let [told, other] = seen.found;
     let name = format!("`{}` on {}", radar.evidence.field, radar.said.subject());
-    let (relation, message) = if is_sure {
-        let message = format!(
-            "{name} has the sign of approaching: {other} detections are found again where they would be if it did, {told} if it had \
-             that of a range that grows"
-        );
-        ("doppler-sign", message)
+    let (relation, message, detail) = if is_sure {
+        (
+            "doppler-sign",
+            format!("{name} has the wrong sign: positive for approaching objects"),
+            "Detections are found again in later scans where the opposite sign puts them.".to_owned(),
+        )
     } else {
-        let message = format!(
-            "{name} makes the radar go backward where {} goes forward: it has the sign of approaching, or `{}_from_{}` lacks half a turn \
-             about z; which of the two, the detections do not show",
-            way.subject, way.body, way.radar
-        );
-        ("doppler-sign-or-half-turn", message)
+        (
+            "doppler-sign-or-half-turn",
+            format!(
+                "{name} has the wrong sign, or `{}_from_{}` lacks a yaw of 180 deg",
+                way.body, way.radar
+            ),
+            format!(
+                "By the rates the radar moves backward while {} moves forward; the detections cannot distinguish the two causes.",
+                way.subject
+            ),
+        )
     };
     Finding::warning(subject(radar), message, radar.place())
         .confidence(confidence(radar))
         .relation(relation)
-        .related(way.place.clone(), "how it goes")
+        .detail(detail)
+        .related(way.place.clone(), "motion compared with")
         .help(
-            "publish range rates: negative for what comes nearer, v_r = -v . d for what stands still; or tell every consumer the sign of \
-             this driver",
+            "publish range rates that are negative for approaching objects (v_r = -v . d for static ones), or configure the sign of this \
+             driver in every consumer",
         )
         .measured(measured(seen, seen.off_rad, limits))
 }
@@ -339,22 +340,25 @@ fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limit
 /// The mounting lacks a yaw.
 fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) -> Finding {
     let off_deg = off_rad.to_degrees();
-    // The way by the rates is turned as the mounting that was told is turned against the true one.
+    // The direction by the rates is rotated as the stated mounting is against the true one.
     let lacks_deg = -off_deg;
-    let (_, _, told_yaw) = way.body_from_radar.rotation.euler_angles();
-    // An azimuth that counts the other way mirrors the way at the axis of the radar.
-    let mirrored = difference(off_rad, 2.0 * told_yaw).abs().to_degrees() <= limits.half_turn_deg
-        && told_yaw.abs().to_degrees() > limits.half_turn_deg / 2.0;
+    let (_, _, stated_yaw) = way.body_from_radar.rotation.euler_angles();
+    // A reversed azimuth mirrors the direction of motion at the axis of the radar.
+    let mirrored = difference(off_rad, 2.0 * stated_yaw).abs().to_degrees() <= limits.half_turn_deg
+        && stated_yaw.abs().to_degrees() > limits.half_turn_deg / 2.0;
     let also = if mirrored {
-        "; or its azimuths count clockwise, which turns the way by twice the mounting's yaw"
+        " Instead, its azimuths may count clockwise, which rotates the direction by twice the mounting's yaw."
     } else {
         ""
     };
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {lacks_deg:+.1} deg: what stands still around {} comes from another side than {} goes to{also}",
+        "`{}_from_{}` lacks a yaw of {lacks_deg:+.1} deg, by the range rates of {}",
         way.body,
         way.radar,
-        radar.said.subject(),
+        radar.said.subject()
+    );
+    let detail = format!(
+        "Static objects approach from another direction than {} moves to.{also}",
         way.subject
     );
     let finding = if off_deg.abs() > limits.error_deg {
@@ -365,9 +369,10 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
     finding
         .confidence(confidence(radar))
         .relation("mount-yaw")
-        .related(way.place.clone(), "how it goes")
+        .detail(detail)
+        .related(way.place.clone(), "motion compared with")
         .help(format!(
-            "turn the mounting by {lacks_deg:+.1} deg about z of `{}`, in front of the rotation that is there",
+            "rotate the mounting by {lacks_deg:+.1} deg about z of `{}` (multiply from the left of the existing rotation)",
             way.body
         ))
         .measured(measured(seen, off_rad, limits))
@@ -375,10 +380,10 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
 
 fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {
     let [lever_m_s, lever_rad] = seen.lever;
-    let [told, other] = seen.found;
+    let [same, other] = seen.found;
     vec![
         Measured::new(
-            "yaw between the way by the rates and by the platform",
+            "yaw between the direction of motion by the rates and by the platform",
             off_rad.to_degrees(),
             "deg",
         )
@@ -389,17 +394,13 @@ fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {
         Measured::new("speed by the rates over that of the platform", seen.scale, "1"),
         Measured::new("share of the detections that agree", seen.share, "1").limit(limits.min_share),
         Measured::new(
-            "what turning adds at the radar (yaw rate times lever arm), at most",
+            "largest velocity added by rotation (yaw rate times lever arm)",
             lever_m_s,
             "m/s",
         ),
-        Measured::new(
-            "direction that this turns its way by, at most",
-            lever_rad.to_degrees(),
-            "deg",
-        ),
-        Measured::count("detections found again with the sign as published", told),
-        Measured::count("detections found again with the other sign", other),
+        Measured::new("largest change of direction by that", lever_rad.to_degrees(), "deg"),
+        Measured::count("detections found again with the sign as published", same),
+        Measured::count("detections found again with the opposite sign", other),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! AXES10: a cloud whose ground is not where z says that down is.
+//! AXES10: a cloud whose ground is not opposite to up.
 
 use std::rc::Rc;
 
@@ -24,7 +24,10 @@ impl Rule for UpAxisFlip {
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("up");
             if !clouds.is_of_a_lidar() {
-                out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
+                out.not_applicable(
+                    subject,
+                    "not recognised as raw points of a lidar by its fields, topic or frame",
+                );
                 continue;
             }
             let by_cloud = planes.grounds_by_cloud(&clouds, &limits.is_ground());
@@ -40,7 +43,7 @@ impl Rule for UpAxisFlip {
     }
 }
 
-/// The grounds on one side, each in its cloud.
+/// The ground planes on one side, each in its cloud.
 fn seen(world: &World, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize) -> Vec<SeenPlane> {
     let sensor = ground::sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
     let of_side = grounds.iter().filter(|(_, ground)| ground.side == side);
@@ -80,11 +83,11 @@ fn judge_side(
     let (_, min_score) = limits.is_ground().least(&least.plane);
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
-        Measured::new(format!("angle of {word} from up"), off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("cells on the ground, less for what lies beneath", least.score, "1")
+        Measured::new(format!("angle between {word} and up"), off_deg, "deg").limit(limits.max_off_deg),
+        Measured::new("cells on the ground, reduced by points below it", least.score, "1")
             .limit(min_score)
             .samples(of_side().count() as u64),
-        Measured::new("the same of the next side", next, "1"),
+        Measured::new("the same for the next best side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
@@ -101,40 +104,40 @@ fn judge_side(
         .filter(|(along, _)| *along <= -limits.min_gravity)
         .map(|(_, who)| who);
     let (relation, what, help) = named(word);
-    let told = match (&mount, &frame) {
-        (Some(mount), _) if mount.is_base => format!("and `{}` has z up by its name", mount.base),
+    let but = match (&mount, &frame) {
+        (Some(mount), _) if mount.is_base => format!("but `{}` is a base with z up", mount.base),
         (Some(mount), Some(frame)) => {
-            format!(
-                "and `{}_from_{frame}` turns that {off_deg:.0} deg away from up",
-                mount.base
-            )
+            format!("but `{}_from_{frame}` puts it {off_deg:.0} deg from up", mount.base)
         }
         _ => match &against {
-            Some(who) => format!("and gravity by {who} points there by the transforms"),
-            None => "and nothing ties its frame to a base".to_owned(),
+            Some(who) => format!("but by gravity of {who} it points down"),
+            None => "not z".to_owned(),
         },
     };
-    let message = format!(
-        "the ground in the cloud on `{}` lies opposite to its {word} axis: {what}, {told}",
-        clouds.topic.topic
-    );
-    let is_told = mount.is_some() || against.is_some();
-    let finding = if is_told {
+    let message = format!("`{}`: {word} of the cloud points up, {but}", clouds.topic.topic);
+    let is_known = mount.is_some() || against.is_some();
+    let untied = if is_known {
+        ""
+    } else {
+        " No transform ties its frame to a base."
+    };
+    let detail = format!("The ground is visible on the opposite side of the sensor: {what}.{untied}");
+    let finding = if is_known {
         Finding::error(subject, message, clouds.place())
     } else {
         Finding::warning(subject, message, clouds.place())
     };
-    // A ceiling looks like a ground from below: under the sky there is none, and gravity says which of the two it is.
-    let finding = if !is_told || is_indoors && !has_gravity {
+    // A ceiling looks like a ground from below: under open sky there is none, and gravity distinguishes the two.
+    let finding = if !is_known || is_indoors && !has_gravity {
         finding.hint()
     } else {
         finding.likely()
     };
-    let finding = finding.relation(relation).help(help);
+    let finding = finding.relation(relation).detail(detail).help(help);
     out.fail(finding.measured(measured));
 }
 
-/// Share of the directions in which the highest beams meet nothing, where others do; the median over the clouds. `None` where no beam looks
+/// Share of the directions in which the highest beams hit nothing while others do; median over the clouds. `None` if no beam points
 /// up.
 fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64> {
     let of_cloud = |sample: &CloudSample| {
@@ -149,7 +152,7 @@ fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64
     median(&clouds.evidence.samples.iter().filter_map(of_cloud).collect::<Vec<_>>())
 }
 
-/// Whether most clouds were measured while a satellite receiver had a fix.
+/// Whether most clouds were measured while a GNSS receiver had a fix.
 fn is_under_open_sky(motion: &Motion, clouds: &Clouds, limits: &Limits) -> bool {
     let (Some(bag), Some(start_ns)) = (motion.bags.get(clouds.index), clouds.bag.start_ns) else {
         return false;
@@ -163,7 +166,7 @@ fn is_under_open_sky(motion: &Motion, clouds: &Clouds, limits: &Limits) -> bool 
     2 * samples.iter().filter(has_fix).count() > samples.len()
 }
 
-/// Up in the axes of the cloud, by an inertial sensor that tells in these very axes, or else by one that rigid transforms tie to them.
+/// Up in the axes of the cloud, by an inertial sensor in the same frame, or else by one that rigid transforms tie to it.
 fn gravity(world: &World, motion: &Motion, bag: usize, frame: &FrameId) -> Option<(Vector3<f64>, String)> {
     let imus = &motion.bags.get(bag)?.imus;
     let of = |imu: &Imu| {
@@ -184,33 +187,33 @@ fn gravity(world: &World, motion: &Motion, bag: usize, frame: &FrameId) -> Optio
     own.or_else(|| imus.iter().find_map(of))
 }
 
-/// What a cloud with this side up may be.
+/// Relation, description and help for a cloud with this side up.
 fn named(side: &str) -> (&'static str, &'static str, &'static str) {
     match side {
         "z" => (
             "mount",
             "the cloud itself has z up",
-            "the transform of the mounting is turned: a driver that corrects a sensor on its head needs a mounting without that turn",
+            "correct the rotation of the mounting transform: a driver that already corrects an upside-down sensor needs one without that rotation",
         ),
         "-z" => (
             "x180",
             "z points down",
-            "give the mounting of a sensor that hangs on its head in TF, or let its driver correct it; not both",
+            "add the rotation of the upside-down mounting to TF, or let the driver correct it, but not both",
         ),
         "-y" => (
             "optical",
-            "y points down, as in optical axes",
-            "convert the cloud to x forward, y left, z up, or give the frame the rotation RPY(-90, 0, -90) deg of an optical frame",
+            "y points down, as in an optical frame",
+            "convert the cloud to x forward, y left, z up, or rotate its frame by RPY(-90, 0, -90) deg, as an optical frame",
         ),
         "y" => (
             "y-up",
             "y points up, as in graphics",
-            "turn the cloud by 90 deg about x: z points up (REP-103)",
+            "rotate the cloud by 90 deg about x: z points up (REP-103)",
         ),
         _ => (
             "on-its-side",
             "x points up or down",
-            "compare the mounting with its transform: the sensor lies on its side",
+            "compare the mounting with its transform: the sensor is on its side",
         ),
     }
 }

@@ -1,4 +1,4 @@
-//! CAMERA09: what is declared of grids seen from above and of panoramas, against itself, and against their messages.
+//! CAMERA09: declarations of bird's-eye grids and panoramas, checked for consistency and compared with their messages.
 
 use crate::analysis::camera::declared::{is_about, name};
 use crate::analysis::{camera::fault::Fault, camera::grids, camera::grids::Limits};
@@ -30,7 +30,7 @@ impl Rule for BevPanoramaMetadata {
     }
 }
 
-/// The metadata of a grid as it was sent.
+/// The metadata of a grid message.
 fn judge_message(bag: &BagEvidence, topic: &TopicEvidence, grid: &GridAt, limits: &Limits, out: &mut Judge) {
     let subject = format!("grid on topic `{}`, message {}", topic.topic, grid.at.index);
     let (faults, tilt_deg) = grids::of_message(grid, limits);
@@ -40,7 +40,7 @@ fn judge_message(bag: &BagEvidence, topic: &TopicEvidence, grid: &GridAt, limits
             Measured::new("resolution", grid.resolution_m, "m")
                 .limit(limits.max_resolution_m)
                 .samples(grid.count),
-            Measured::new("lean of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
+            Measured::new("tilt of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
         ];
         return out.pass(subject, measured);
     }
@@ -60,14 +60,14 @@ fn judge_grid(world: &World, projection: &Projection, grid: &Grid, limits: &Limi
     }
     if faults.is_empty() {
         let resolution_m = grid.resolution_m.unwrap_or(f64::NAN);
-        let told = Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m);
-        let compared = Measured::count("messages that it was held against", usize::from(related.is_some()));
-        return out.pass(subject, [told, compared]);
+        let declared = Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m);
+        let compared = Measured::count("messages compared", usize::from(related.is_some()));
+        return out.pass(subject, [declared, compared]);
     }
     for fault in faults {
         let finding = fault.finding(&subject, projection.place.clone());
         out.fail(match &related {
-            Some(place) => finding.related(place.clone(), "the grid as it was sent"),
+            Some(place) => finding.related(place.clone(), "the grid message"),
             None => finding,
         });
     }
@@ -101,8 +101,8 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
     {
         faults.push(Fault::new(
             "size",
-            format!("the panorama is {width} x {height} pixels: 360 deg across and 180 deg down are two to one"),
-            "say which part of the directions it shows, or look whether it was cropped or resized in one direction",
+            format!("the panorama has {width} x {height} pixels, but 360 x 180 deg require a ratio of 2:1"),
+            "declare the field of view that it shows, or check whether it was cropped or resized in one direction",
             Measured::new(
                 "width over height",
                 f64::from(*width) / f64::from((*height).max(1)),
@@ -120,23 +120,25 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
     if let Some(([width, height], [seen_width, seen_height])) = other {
         faults.push(Fault::new(
             "resized",
-            format!("the panorama is declared with {width} x {height} pixels, and its images have {seen_width} x {seen_height}"),
-            "declare the size of the images, or scale columns and rows before they become angles",
+            format!("the panorama is declared with {width} x {height} pixels, but its images have {seen_width} x {seen_height}"),
+            "declare the size of the images, or scale columns and rows before converting them to angles",
             Measured::new("declared width", f64::from(width), "count").limit(f64::from(seen_width)),
         ));
     }
     if panorama.azimuth == Some(Sense::CounterClockwise) {
         faults.push(Fault::new(
             "mirrored",
-            "the azimuth is declared to grow counter-clockwise with the column: that is the mirror image of what a camera sees, where what lies to the right is to the right"
-                .to_owned(),
-            "u = W (pi - azimuth) / 2 pi for an azimuth that is counted counter-clockwise (REP-103); u = W (azimuth + pi) / 2 pi is for one that is clockwise",
+            "the panorama is mirrored: its azimuth is declared to grow counter-clockwise with the column".to_owned(),
+            "use u = W (pi - azimuth) / 2 pi for a counter-clockwise azimuth (REP-103); u = W (azimuth + pi) / 2 pi is for a clockwise one",
             Measured::new("sense of the columns, clockwise positive", -1.0, "1").limit(1.0),
         ));
     }
     if faults.is_empty() {
         let Some([width, height]) = sizes.first() else {
-            return out.missing(subject, "neither its size nor the topic of its images is declared");
+            return out.missing(
+                subject,
+                "neither its size nor the topic of its images is declared: declare one of them",
+            );
         };
         let ratio = Measured::new(
             "width over height",
@@ -144,7 +146,10 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
             "1",
         )
         .limit(2.0);
-        return out.pass(subject, [ratio, Measured::count("forms of its images", images.len())]);
+        return out.pass(
+            subject,
+            [ratio, Measured::count("kinds of images compared", images.len())],
+        );
     }
     for fault in faults {
         let finding = fault.finding(&subject, projection.place.clone());

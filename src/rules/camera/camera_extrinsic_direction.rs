@@ -1,4 +1,4 @@
-//! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
+//! CAMERA06: the direction of a camera's extrinsics in a file, compared with the transforms of the robot.
 
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +20,7 @@ pub(crate) struct Limits {
     away_m: f64,
 }
 
-/// What a name in a file can stand for.
+/// What a name in a file can mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Camera,
@@ -29,7 +29,7 @@ enum Kind {
     Base,
 }
 
-/// Words of lidars in calibration files beside the usual ones.
+/// Further words for lidars in calibration files.
 const LIDARS: &[&str] = &["velo", "lid", "livox", "hesai", "pandar", "os"];
 
 impl Kind {
@@ -66,8 +66,8 @@ impl Rule for CameraExtrinsicDirection {
     }
 }
 
-/// The two names that a claim is about, one of them a camera's: those of its frames, or, where it says none, those that stand in
-/// its keys or in the name of its file.
+/// The two names that a claim is about, one of them a camera's: those of its frames, or, where it has none, those in its keys or in
+/// the name of its file.
 fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
     if let Some((target, source)) = &claim.frames {
         let is_camera = [target, source].map(|name| Kind::of(name) == Some(Kind::Camera));
@@ -88,7 +88,7 @@ fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
     Some((camera, other))
 }
 
-/// The robot's frames by what names in files can stand for.
+/// The robot's frames by what names in files can mean.
 struct OfRobot<'w> {
     frames: &'w BTreeSet<FrameId>,
     of_kind: BTreeMap<Kind, Vec<&'w FrameId>>,
@@ -125,16 +125,16 @@ impl<'w> OfRobot<'w> {
         }
         let Some(kind) = Kind::of(name) else {
             return Err(format!(
-                "`{name}` is no frame of the robot, and its name does not say what it is"
+                "`{name}` is no frame of the robot, and its name does not show what it is: name it with `aliases:` in frames-lint.yaml"
             ));
         };
         match self.of_kind.get(&kind).map_or(&[][..], Vec::as_slice) {
             [one] => Ok((*one).clone()),
-            [] => Err(format!("`{name}` is no frame of the robot, and none is of its kind")),
+            [] => Err(format!("`{name}` is no frame of the robot, which has none of this kind either")),
             several => match digits(name).and_then(|digits| self.numbered.get(&(kind, digits))).map(Vec::as_slice) {
                 Some([one]) => Ok((*one).clone()),
                 _ => Err(format!(
-                    "`{name}` is no frame of the robot, and may be any of {}",
+                    "`{name}` is no frame of the robot, and may be any of {}: name it with `aliases:` in frames-lint.yaml",
                     several.len()
                 )),
             },
@@ -151,7 +151,7 @@ fn digits(name: &FrameId) -> Option<String> {
 fn judge_claim(
     (world, of_robot): (&World, &OfRobot),
     claim: &Claim,
-    told: &Isometry3<f64>,
+    stated: &Isometry3<f64>,
     (target, source): (&FrameId, &FrameId),
     limits: &Limits,
     out: &mut Judge,
@@ -160,7 +160,7 @@ fn judge_claim(
     let is_named = claim.frames.is_some();
     let graph = world.graph();
     if is_named && graph.rigid().between(target, source).is_some() {
-        let why = "both names are the robot's own frames: their transforms are compared as stated";
+        let why = "both names are frames of the robot: CROSS01 and CROSS02 compare their transforms as stated";
         return out.not_applicable(subject, why);
     }
     let (of_target, of_source) = match (of_robot.meant(target), of_robot.meant(source)) {
@@ -168,19 +168,19 @@ fn judge_claim(
         (Err(why), _) | (_, Err(why)) => return out.missing(subject, why),
     };
     let Some(known) = graph.rigid().between(&of_target, &of_source) else {
-        return out.missing(subject, format!("no rigid chain of transforms ties `{of_source}` to `{of_target}`"));
+        return out.missing(subject, format!("no rigid chain of transforms connects `{of_source}` and `{of_target}`"));
     };
     let off = |reading: &Isometry3<f64>| {
         let off_m = (reading.translation.vector - known.translation.vector).norm();
         (off_m, reading.rotation.angle_to(&known.rotation).to_degrees())
     };
-    let (as_read, inverse) = (off(told), off(&told.inverse()));
+    let (as_read, inverse) = (off(stated), off(&stated.inverse()));
     let fits = |(off_m, off_deg): (f64, f64)| off_m <= limits.off_m && off_deg <= limits.off_deg;
     let measured = [
-        Measured::new("off as it is read", as_read.0, "m").limit(limits.off_m),
-        Measured::new("rotation off as it is read", as_read.1, "deg").limit(limits.off_deg),
-        Measured::new("off read the other way round", inverse.0, "m").limit(limits.off_m),
-        Measured::new("rotation off read the other way round", inverse.1, "deg").limit(limits.off_deg),
+        Measured::new("translation difference as read", as_read.0, "m").limit(limits.off_m),
+        Measured::new("rotation difference as read", as_read.1, "deg").limit(limits.off_deg),
+        Measured::new("translation difference inverted", inverse.0, "m").limit(limits.off_m),
+        Measured::new("rotation difference inverted", inverse.1, "deg").limit(limits.off_deg),
     ];
     let pair = format!("`{of_target}` from `{of_source}`");
     match (fits(as_read), fits(inverse)) {
@@ -188,31 +188,33 @@ fn judge_claim(
         // A file that does not say its direction has none that is wrong.
         (false, true) if !is_named => out.pass(subject, measured),
         (true, true) => {
-            out.too_little(subject, format!("both readings are near {pair} of the robot: nothing tells them apart"));
+            out.too_little(subject, format!("as read and inverted it is near {pair} of the robot: they cannot be distinguished"));
         }
         (false, false) => {
-            let far = if told.translation.vector.norm() > limits.away_m {
-                ", and it is off the vehicle"
+            let far = if stated.translation.vector.norm() > limits.away_m {
+                ", and outside of the vehicle"
             } else {
                 ""
             };
             let why = format!(
-                "{:.2} m and {:.0} deg off {pair} of the robot as it is read, {:.2} m and {:.0} deg the other way round{far}: neither is it",
+                "it is {:.2} m and {:.0} deg off {pair} of the robot as read, {:.2} m and {:.0} deg inverted{far}: neither matches",
                 as_read.0, as_read.1, inverse.0, inverse.1
             );
             out.too_little(subject, why);
         }
         (false, true) => {
             let message = format!(
-                "`{}` reads as `{target}` from `{source}`, and is the other way round by {pair} of the robot: {:.2} m and {:.0} deg off as it is read, \
-                 {:.2} m and {:.1} deg inverted",
-                claim.label, as_read.0, as_read.1, inverse.0, inverse.1
+                "`{}` is inverted: {:.2} m and {:.0} deg off {pair} of the robot",
+                claim.label, as_read.0, as_read.1
             );
             let finding = Finding::warning(subject, message, claim.place.clone())
                 .confidence(claim.reading.min(Confidence::Likely))
                 .relation("inverse")
-                .help("p_camera = R p + t takes points into the camera, whose own place is then -R^T t; its pose holds the place as it is: say in the key which \
-                       of the two it is, and invert it where it is read");
+                .detail(format!(
+                    "It is named `{target}` from `{source}`; inverted it is {:.2} m and {:.1} deg off.",
+                    inverse.0, inverse.1
+                ))
+                .help("invert the matrix, or rename its key. With p_camera = R p + t the camera is at -R^T t; a pose of the camera has its position as t");
             out.fail(finding.measured(measured));
         }
     }

@@ -1,4 +1,4 @@
-//! CAMERA03: a distortion that is not that of its model, or folds within the image.
+//! CAMERA03: distortion coefficients that do not match their model, or that fold within the image.
 
 use crate::analysis::camera::published::Intrinsics;
 use crate::math::distortion::{Radial, Reach};
@@ -57,14 +57,14 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
     if d.iter().any(|value| !value.is_finite()) {
         let message = format!("a coefficient of the distortion {whose} is not finite");
         let finding = Finding::error(subject, message, published.place.clone());
-        return out.fail(finding.help("calibrate the camera anew"));
+        return out.fail(finding.help("calibrate the camera again"));
     }
     if d.is_empty() && matches!(model, "" | "plumb_bob") {
-        let why = "no model and no coefficients: an image without distortion, or a camera that nobody calibrated";
+        let why = "it has no model and no coefficients: an image without distortion, or a camera without calibration";
         return out.missing(subject, why);
     }
     let Some(counts) = counts(model) else {
-        let why = format!("the model `{model}` is not one of ROS (plumb_bob, rational_polynomial, equidistant)");
+        let why = format!("the model `{model}` is not a ROS model (plumb_bob, rational_polynomial, equidistant)");
         return out.not_applicable(subject, why);
     };
     if !counts.contains(&d.len()) {
@@ -77,7 +77,10 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
         border(published),
         published.calibration.size.iter().all(|pixels| *pixels > 0),
     ) else {
-        return out.missing(subject, "width and height are zero: where the corners are is not known");
+        return out.missing(
+            subject,
+            "width and height are zero, so the corners are not known: fill them in",
+        );
     };
     let Some(reach) = radial.reach(border) else {
         return out.too_little(subject, "the distortion has no finite value within the image");
@@ -87,9 +90,9 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
         _ => 0.0,
     };
     let measured = |reach: Reach| match reach {
-        Reach::Whole { angle_rad } => Measured::new(format!("angle seen at the {what}"), angle_rad.to_degrees(), "deg"),
+        Reach::Whole { angle_rad } => Measured::new(format!("view angle at the {what}"), angle_rad.to_degrees(), "deg"),
         Reach::Folds { radius, .. } => Measured::new(
-            format!("radius that is reached, over that of the {what}"),
+            format!("radius where it folds over that of the {what}"),
             radius / border,
             "1",
         )
@@ -99,26 +102,30 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
         && radius < limits.least_reach * border
     {
         let message = format!(
-            "the distortion {whose} folds at {:.1} deg from the axis: that is {:.0} % of the way to the {what}, and what lies further \
-             out is projected back into the image",
+            "the distortion {whose} folds back at {:.1} deg, {:.0} % of the way to the {what}",
             angle_rad.to_degrees(),
             100.0 * radius / border
         );
         let finding = Finding::warning(subject, message, published.place.clone())
             .likely()
+            .detail("Points further out are projected back into the image.")
             .relation("folds");
-        let help = "calibrate with the board in the corners as well, or with a model of wider angles; until then leave out what lies beyond";
+        let help = "calibrate with the board in the corners as well, or with a model for wider angles; until then drop points beyond this angle";
         return out.fail(finding.measured(measured(reach)).help(help));
     }
     if tangential > limits.tangential {
-        let message = format!(
-            "a tangential coefficient {whose} is {tangential:.3}: lenses have thousandths; as where k3 stands before p1 and p2"
-        );
+        let message =
+            format!("a tangential coefficient {whose} is {tangential:.3}: k3 is probably written before p1 and p2");
         let finding = Finding::warning(subject, message, published.place.clone())
             .hint()
+            .detail("Tangential coefficients of lenses are a few thousandths.")
             .relation("order");
         let measured = Measured::new("largest tangential coefficient", tangential, "1").limit(limits.tangential);
-        return out.fail(finding.measured(measured).help("the order is k1, k2, p1, p2, k3"));
+        return out.fail(
+            finding
+                .measured(measured)
+                .help("write the coefficients in the order k1, k2, p1, p2, k3"),
+        );
     }
     let [fx, _, cx, _] = published.pinhole();
     let across = [cx, f64::from(published.calibration.size[0]) - cx].map(|side| radial.reach(side / fx));
@@ -130,27 +137,32 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
         })
         .sum();
     if model == "plumb_bob" && view_deg > limits.wide_deg {
-        let message = format!(
-            "the model {whose}: plumb_bob over {view_deg:.0} deg across; its polynomial of the tangent has no hold there"
-        );
-        let finding = Finding::warning(subject, message, published.place.clone())
-            .likely()
-            .relation("wide");
-        let measured = Measured::new("field of view across", view_deg, "deg").limit(limits.wide_deg);
-        return out.fail(
-            finding
-                .measured(measured)
-                .help("calibrate with rational_polynomial or equidistant"),
-        );
+        return out.fail(too_wide(published, subject, view_deg, limits));
     }
     out.pass(
         subject,
-        [measured(reach), Measured::new("field of view across", view_deg, "deg")],
+        [
+            measured(reach),
+            Measured::new("horizontal field of view", view_deg, "deg"),
+        ],
     );
 }
 
-/// How far a model must reach, normalised, and what lies there: the corner that is farthest from the principal point. The image
-/// of a fisheye is round, and its corners are often dark: it must reach the nearest edge.
+fn too_wide(published: &Intrinsics, subject: String, view_deg: f64, limits: &Limits) -> Finding {
+    let message = format!(
+        "the model {} is plumb_bob for a view of {view_deg:.0} deg, which is too wide for it",
+        published.whose
+    );
+    Finding::warning(subject, message, published.place.clone())
+        .likely()
+        .detail("Its polynomial of the tangent is not constrained at such angles.")
+        .relation("wide")
+        .measured(Measured::new("horizontal field of view", view_deg, "deg").limit(limits.wide_deg))
+        .help("calibrate with the model rational_polynomial or equidistant")
+}
+
+/// The radius up to which a model must be valid, normalised, and its name: the corner farthest from the principal point. The image
+/// of a fisheye is round, and its corners are often dark: there it is the nearest edge.
 fn border(published: &Intrinsics) -> Option<(f64, &'static str)> {
     let [fx, fy, cx, cy] = published.pinhole();
     let [width, height] = published.calibration.size.map(f64::from);
@@ -175,14 +187,14 @@ fn miscounted(published: &Intrinsics, subject: String, counts: &[usize]) -> Find
         .into_iter()
         .find(|other| other != model && self::counts(other).is_some_and(|counts| counts.contains(&d.len())));
     let message = format!(
-        "the model {} is {model}, which has {} coefficients, and there are {}{}",
+        "the model {} is {model} with {} coefficients, but there are {}{}",
         published.whose,
         several.join(" or "),
         d.len(),
-        other.map_or(String::new(), |other| format!(": as many as {other} has"))
+        other.map_or(String::new(), |other| format!(", as {other} has"))
     );
     Finding::error(subject, message, published.place.clone())
         .relation("count")
         .measured(Measured::count("coefficients", d.len()))
-        .help("name the model that was calibrated, with all of its coefficients")
+        .help("write the model that was calibrated, with all of its coefficients")
 }

@@ -1,4 +1,4 @@
-//! CAMERA02: intrinsics that do not fit the image.
+//! CAMERA02: intrinsics that contradict the image.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ impl Rule for CameraInfoKSize {
             };
             if space.calibrations > 1 {
                 let subject = format!("size of the images beside {}", published.subject());
-                let why = "several calibrations share the namespace of these images: nothing says whose they are";
+                let why = "several calibrations share the namespace of these images: publish each camera in its own namespace";
                 out.missing(subject, why);
                 continue;
             }
@@ -77,39 +77,37 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     if published.is_uncalibrated() {
         let message = format!("K {} is all zeros: the camera is not calibrated", published.whose);
         let finding = Finding::note(&subject, message, published.place.clone()).relation("uncalibrated");
-        return out.fail(finding.help("calibrate it, or do not project anything into its images"));
+        return out.fail(finding.help("calibrate the camera, or project nothing into its images"));
     }
     let [fx, fy, cx, cy] = published.pinhole();
     if k.iter().any(|value| !value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
         let message = format!(
-            "K {} has the focal lengths {fx} and {fy} pixels: they are positive numbers",
+            "K {} has invalid focal lengths: {fx} and {fy} pixels",
             published.whose
         );
         let finding = Finding::error(&subject, message, published.place.clone());
-        return out.fail(finding.help("calibrate the camera anew, or look for a wrong field in the driver"));
+        return out.fail(finding.help("calibrate the camera again, or look for a wrong field in the driver"));
     }
     if let Some(finding) = layout(published, &subject, limits) {
         return out.fail(finding);
     }
     let [width, height] = calibration.size.map(f64::from);
     if width == 0.0 || height == 0.0 {
-        return out.missing(subject, "width and height are zero: whether K fits cannot be told");
+        return out.missing(subject, "width and height are zero, so K cannot be compared with them: fill them in");
     }
     let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
     let measured = [
         Measured::new("fx over fy", fx / fy, "1").limit(1.0 + limits.aspect),
         Measured::new("cx over width", cx / width, "1"),
         Measured::new("cy over height", cy / height, "1"),
-        Measured::new("field of view across", view_deg, "deg").limit(limits.most_view_deg),
+        Measured::new("horizontal field of view", view_deg, "deg").limit(limits.most_view_deg),
     ];
     let is_central = |share: f64| (limits.least_centre..=limits.most_centre).contains(&share);
     let what = if !is_central(cx / width) || !is_central(cy / height) {
         let (x, y) = (2.0 * cx / width, 2.0 * cy / height);
         let of_another = (x / y - 1.0).abs() <= limits.same_ratio * 10.0;
-        let words =
-            format!("the principal point ({cx:.1}, {cy:.1}) is far from the middle of an image of {width} x {height}");
         Some(if of_another {
-            let words = format!("{words}: as of an image of {:.0} x {:.0}", width * x, height * y);
+            let words = format!(" is probably for {:.0} x {:.0} pixels, not {width} x {height}", width * x, height * y);
             (
                 words,
                 "not-rescaled",
@@ -118,22 +116,24 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
                 if x.max(y) > 2.0 { Severity::Error } else { Severity::Warning },
             )
         } else {
-            let help = "of a cropped image set `roi`, and leave K that of the whole one (REP-104)";
+            let help = "set `roi` for a cropped image, and keep K of the whole image (REP-104)";
+            let words =
+                format!(": principal point ({cx:.1}, {cy:.1}) is far from the centre of a {width} x {height} image");
             (words, "centre", help, Severity::Warning)
         })
     } else if (fx / fy - 1.0).abs() > limits.aspect {
         let words = format!(
-            "the focal lengths {fx:.1} and {fy:.1} differ by {:.0} %",
+            ": focal lengths {fx:.1} and {fy:.1} differ by {:.0} %",
             100.0 * (fx / fy - 1.0).abs()
         );
         Some((
             words,
             "aspect",
-            "pixels are square in all but few cameras: an image that was stretched needs another fx or fy",
+            "scale fx or fy if the image was stretched; else calibrate again: pixels of nearly all cameras are square",
             Severity::Warning,
         ))
     } else if !(limits.least_view_deg..=limits.most_view_deg).contains(&view_deg) {
-        let words = format!("the camera sees {view_deg:.1} deg across by K and the width of the image");
+        let words = format!(": horizontal field of view of {view_deg:.1} deg is implausible");
         Some((
             words,
             "view",
@@ -146,7 +146,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     match what {
         None => out.pass(subject, measured),
         Some((words, relation, help, severity)) => {
-            let message = format!("K {}: {words}", published.whose);
+            let message = format!("K {}{words}", published.whose);
             let mut finding = Finding::warning(subject, message, published.place.clone()).likely();
             finding.severity = severity;
             let finding = finding.relation(relation).help(help);
@@ -155,7 +155,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     }
 }
 
-/// A finding, where the numbers that must be zero or one are others.
+/// A finding where the numbers that must be zero or one are not.
 fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Finding> {
     let [fx, _, cx, k10, _, cy, k20, k21, k22] = published.calibration.k;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
@@ -166,22 +166,24 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
     let (relation, help) = if is_transposed {
         ("transposed", "write K row by row: fx, 0, cx, 0, fy, cy, 0, 0, 1")
     } else {
-        ("not-a-camera-matrix", "K is fx, s, cx, 0, fy, cy, 0, 0, 1, row by row")
+        ("not-a-camera-matrix", "write K row by row: fx, s, cx, 0, fy, cy, 0, 0, 1")
     };
     let message = format!(
-        "K {} ends in {k20}, {k21}, {k22}, and its fourth number is {k10}: a camera's ends in 0, 0, 1, and has 0 there{}",
+        "K {} is {}: it ends in {k20}, {k21}, {k22}, not 0, 0, 1",
         published.whose,
         if is_transposed {
-            "; it is told column by column"
+            "transposed"
         } else {
-            ""
+            "no camera matrix"
         }
     );
-    let finding = Finding::error(subject, message, published.place.clone()).relation(relation);
+    let finding = Finding::error(subject, message, published.place.clone())
+        .relation(relation)
+        .detail(format!("Its fourth number is {k10}, where 0 is required."));
     Some(finding.measured(Measured::new("fx", fx, "px")).help(help))
 }
 
-/// Holds an image's size against the one that is calibrated.
+/// Compares an image's size with the one that is calibrated.
 fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Limits, out: &mut Judge) {
     let calibration = published.calibration;
     let subject = format!("size of `{topic}` against {}", published.subject());
@@ -198,12 +200,12 @@ fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Lim
     };
     let ([width, height], [image_width, image_height]) = ([binned(0), binned(1)], form.size.map(f64::from));
     if width == 0.0 || height == 0.0 || published.is_uncalibrated() {
-        return out.missing(subject, "the calibration has no size, or is none");
+        return out.missing(subject, "the calibration has no size, or the camera is not calibrated");
     }
     let (x, y) = (image_width / width, image_height / height);
     let measured = [
-        Measured::new("width over the calibrated one", x, "1").limit(1.0),
-        Measured::new("height over the calibrated one", y, "1").limit(1.0),
+        Measured::new("width over the calibrated width", x, "1").limit(1.0),
+        Measured::new("height over the calibrated height", y, "1").limit(1.0),
     ];
     // Binning leaves a pixel over.
     if (image_width - width).abs() < 1.0 && (image_height - height).abs() < 1.0 {
@@ -211,30 +213,29 @@ fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Lim
     }
     let (words, relation, help) = if (x / y - 1.0).abs() <= limits.same_ratio {
         (
-            format!("the images were resized by {x:.3}, and the calibration was not"),
+            format!("The images were scaled by {x:.3}, and the calibration was not."),
             "not-rescaled",
             "scale fx, fy, cx, cy, width and height with the image, or set binning",
         )
     } else if (image_width - height).abs() < 1.0 && (image_height - width).abs() < 1.0 {
         (
-            "the images were turned by a quarter, and the calibration was not".to_owned(),
+            "The images were rotated by 90 deg, and the calibration was not.".to_owned(),
             "turned",
-            "turn the calibration and the optical frame with the image",
+            "rotate the calibration and the optical frame with the image",
         )
     } else {
         (
-            "they show another part, or are of another camera".to_owned(),
+            "The images show another part, or are of another camera.".to_owned(),
             "other-size",
-            "of a cropped image set `roi`; else look for the right calibration",
+            "set `roi` if the image is cropped; else use the calibration of this camera",
         )
     };
-    let message = format!(
-        "images on `{topic}` have {image_width} x {image_height} pixels, where the calibration on `{}` is of {width} x {height}: {words}",
-        published.topic
-    );
+    let message =
+        format!("images on `{topic}` have {image_width} x {image_height} pixels, but {width} x {height} are calibrated");
     let place = Place::message(published.bag.source, form.at.clone());
     let finding = Finding::error(subject, message, place)
         .likely()
+        .detail(format!("Compared with the calibration on `{}`. {words}", published.topic))
         .relation(relation)
         .related(published.place(), "the calibration")
         .help(help);

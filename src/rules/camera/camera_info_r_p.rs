@@ -1,4 +1,4 @@
-//! CAMERA04: a rectification that is no rotation, or a projection that does not fit the camera.
+//! CAMERA04: a rectification that is no rotation, or a projection that contradicts the camera matrix.
 
 use nalgebra::Matrix3;
 
@@ -39,7 +39,7 @@ impl Rule for CameraInfoRP {
 fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let r = Matrix3::from_row_slice(&published.calibration.r);
     if r == Matrix3::zeros() {
-        return out.missing(subject, "R is all zeros: it was not filled in");
+        return out.missing(subject, "R is all zeros: it was not filled in; publish a calibrated camera_info");
     }
     let (error, determinant) = (orthogonality_error(&r), r.determinant());
     let measured = [
@@ -50,7 +50,7 @@ fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
         return out.pass(subject, measured);
     }
     let message = format!(
-        "R {} is no rotation: R R^T differs from the identity by {error:.2e}, its determinant is {determinant:.6}",
+        "R {} is no rotation: R R^T - I is {error:.2e}, the determinant {determinant:.6}",
         published.whose
     );
     let finding = Finding::error(subject, message, published.place.clone());
@@ -60,43 +60,43 @@ fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
         finding
     };
     let finding =
-        finding.help("of one camera R is the identity; of a stereo pair it comes from the calibration of both");
+        finding.help("write the identity for a single camera, and the result of the stereo calibration for a pair");
     out.fail(finding.measured(measured));
 }
 
 fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let p = &published.calibration.p;
     if p.iter().all(|value| *value == 0.0) {
-        return out.missing(subject, "P is all zeros: the rectified image is not calibrated");
+        return out.missing(subject, "P is all zeros: the rectified image is not calibrated; publish a calibrated camera_info");
     }
     let [fx, fy, ..] = published.pinhole();
     let [px, _, pcx, tx, py0, py, pcy, ty, p20, p21, p22, _] = *p;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
     let fault = if p.iter().any(|value| !value.is_finite()) || px <= 0.0 || py <= 0.0 {
         Some((
-            format!("has the focal lengths {px} and {py}"),
+            format!("has invalid focal lengths: {px} and {py}"),
             "focal-length",
-            "P begins with fx' > 0, and its sixth number is fy' > 0",
+            "write positive focal lengths: P begins with fx', its sixth number is fy'",
         ))
     } else if !(is(py0, 0.0) && is(p20, 0.0) && is(p21, 0.0) && is(p22, 1.0)) {
         let words = "is not fx', s, cx', Tx, 0, fy', cy', Ty, 0, 0, 1, 0".to_owned();
         Some((words, "not-a-projection", "write P row by row, three rows of four"))
     } else if tx > limits.exact {
-        let words = format!("has Tx = {tx:.3}: positive, as of a camera to the left of the left one");
+        let words = format!("has a positive Tx = {tx:.3}, as for a camera to the left of the left one");
         Some((
             words,
             "baseline-sign",
-            "of the right camera Tx is -fx' B; if this is the left one its Tx is 0: look whether the two are swapped",
+            "check whether the two cameras are swapped: Tx is -fx' B for the right camera and 0 for the left one",
         ))
     } else if ![px / fx, py / fy]
         .iter()
         .all(|zoom| (limits.least_zoom..=limits.most_zoom).contains(zoom))
     {
-        let words = format!("has the focal lengths {px:.1} and {py:.1}, and K has {fx:.1} and {fy:.1}");
+        let words = format!("has focal lengths {px:.1} and {py:.1}, but K has {fx:.1} and {fy:.1}");
         Some((
             words,
             "zoom",
-            "P belongs to the rectified image of the same size: calibrate both together",
+            "calibrate K and P together: P belongs to the rectified image of the same size",
         ))
     } else {
         None

@@ -1,4 +1,4 @@
-//! CAMERA05: whether a camera looks at what the lidar sees, and the right way up.
+//! CAMERA05: whether a camera looks at what the lidar sees, and is upright.
 
 use crate::analysis::camera::in_view::{Views, cameras};
 use crate::analysis::camera::looks::{Fault, Limits, Shown};
@@ -43,9 +43,9 @@ fn judge_shown(
         Measured::new("share of the lidar's points in the image", shown.share, "1")
             .limit(limits.blind * shown.most)
             .samples(shown.points as u64),
-        Measured::new("the largest share of a level camera there", shown.most, "1"),
-        Measured::new("angle of the view over the ground's horizon", pitch_deg, "deg").samples(shown.clouds as u64),
-        Measured::new("roll of the image against the ground", roll_deg, "deg").limit(limits.max_roll_deg),
+        Measured::new("largest share for a level camera there", shown.most, "1"),
+        Measured::new("pitch of the view over the ground", pitch_deg, "deg").samples(shown.clouds as u64),
+        Measured::new("roll of the image over the ground", roll_deg, "deg").limit(limits.max_roll_deg),
         Measured::new("height over the ground", height_m, "m"),
     ];
     let fault = match &shown.judged {
@@ -62,40 +62,40 @@ fn judge_shown(
     let finding = match fault {
         Fault::UpsideDown => Finding::warning(
             subject,
-            format!("`{frame}` is upside down over the ground that `{topic}` shows: its y axis, the image's down, points up"),
+            format!("`{frame}` is upside down over the ground on `{topic}`: its y axis points up"),
             place,
         )
         .hint()
         .relation("upside-down")
-        .help("right for a camera that hangs on its head and whose images are not turned; else turn the frame by 180 deg about its z"),
+        .help("rotate the frame by 180 deg about its z, unless the camera is mounted upside down and its images are not rotated"),
         Fault::Under => Finding::error(
             subject,
-            format!("`{frame}` lies {:.2} m under the ground that `{topic}` shows under `{base}`", -height_m),
+            format!("`{frame}` is {:.2} m below the ground on `{topic}`", -height_m),
             place,
         )
         .likely()
+        .detail(format!("The ground is below `{base}`."))
         .relation("translation-negated")
-        .help("look at the sign of its z, and whether the transform is told the wrong way round"),
+        .help("correct the sign of z, or invert the transform"),
         Fault::Mistaken(mistakes, share) => {
             let Some(first) = mistakes.first() else { return };
             let others: Vec<&str> = mistakes.iter().skip(1).map(|other| other.word()).collect();
             let others = if others.is_empty() {
                 String::new()
             } else {
-                format!(" (indistinguishable here: {})", others.join(", "))
+                format!(" Indistinguishable here: {}.", others.join(", "))
             };
             let looks = if pitch_deg.abs() > limits.max_pitch_deg {
-                format!("looks {pitch_deg:+.0} deg over the horizon")
+                format!("has a pitch of {pitch_deg:+.0} deg")
             } else if roll_deg.abs() > limits.max_roll_deg {
-                format!("lies on its side ({roll_deg:+.0} deg)")
+                format!("has a roll of {roll_deg:+.0} deg")
             } else {
-                "looks away".to_owned()
+                "looks away from the points".to_owned()
             };
-            let message = format!(
-                "`{frame}` {looks} over the ground that `{topic}` shows, with {:.1} % of the points in its image: {}{others}; without that {:.1} % are, \
-                 and the image is upright",
+            let message = format!("`{frame}` {looks}: {}", first.text());
+            let detail = format!(
+                "Of the points on `{topic}`, {:.1} % are in its image. Corrected, the image is upright over their ground and has {:.1} %.{others}",
                 100.0 * shown.share,
-                first.text(),
                 100.0 * share
             );
             let finding = if shown.share < limits.blind * shown.most {
@@ -103,11 +103,11 @@ fn judge_shown(
             } else {
                 Finding::warning(subject, message, place)
             };
-            finding.likely().relation(first.word()).help(first.help())
+            finding.likely().detail(detail).relation(first.word()).help(first.help())
         }
     };
     let finding = finding
         .related(camera.place(), "the camera")
-        .label("where the frame is told");
+        .label("transform of the frame");
     out.fail(finding.measured(measured));
 }

@@ -1,4 +1,4 @@
-//! CAMERA01: where cameras look, and which way up, by their optical frames.
+//! CAMERA01: where cameras look, and whether they are upright, by their optical frames.
 
 use std::cell::LazyCell;
 
@@ -35,14 +35,17 @@ impl Rule for OpticalRotation {
 fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
     let Some(mount) = mounts.get(frame) else {
-        return out.missing(subject, "no rigid chain of transforms leads to a base");
+        return out.missing(
+            subject,
+            "no rigid chain of transforms connects it with a base: add the robot description or /tf_static",
+        );
     };
     let turned = mount.base_from_sensor.rotation;
     let pitch_deg = (turned * Vector3::z()).z.clamp(-1.0, 1.0).asin().to_degrees();
     let down = -(turned * Vector3::y()).z;
     let measured = [
-        Measured::new("angle of the view over the horizon", pitch_deg, "deg").limit(limits.max_pitch_deg),
-        Measured::new("cosine of the image's down from down", down, "1").limit(limits.min_down),
+        Measured::new("pitch of the view over the horizon", pitch_deg, "deg").limit(limits.max_pitch_deg),
+        Measured::new("cosine between the image's down and the base's down", down, "1").limit(limits.min_down),
     ];
     let Some(place) = world
         .graph()
@@ -52,7 +55,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
     else {
         return;
     };
-    // Axes that are not the optical ones, and what a lidar sees of the camera, say it better.
+    // NAME06 (axes that are not optical) and CAMERA05 (what the lidar sees) report it better.
     let better = |finding: Finding| {
         let about = format!("`{frame}`");
         let finding = finding.unless_about(codes::NAME06, about.as_str());
@@ -60,7 +63,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
     };
     if pitch_deg.abs() > limits.max_pitch_deg {
         if names::has_word(frame, VERTICAL) {
-            let why = format!("it looks {pitch_deg:.0} deg over the horizon, and its name says that it may");
+            let why = format!("it looks {pitch_deg:.0} deg over the horizon, as its name allows");
             return out.not_applicable(subject, why);
         }
         let message = format!(
@@ -68,29 +71,29 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
             if pitch_deg > 0.0 { "up" } else { "down" },
             mount.base,
             pitch_deg.abs(),
-            if pitch_deg > 0.0 { "over" } else { "under" }
+            if pitch_deg > 0.0 { "above" } else { "below" }
         );
         let finding = Finding::warning(subject, message, place)
             .likely()
             .relation(if pitch_deg > 0.0 { "looks-up" } else { "looks-down" })
-            .help("an optical frame has z forward, x right, y down (REP-103); say `up` or `down` in the name of a camera that looks there");
+            .help("rotate the frame: z forward, x right, y down (REP-103); if the camera really looks there, add `up` or `down` to its name");
         return out.fail(better(finding.measured(measured)));
     }
     if down < -limits.min_down {
         let message = format!(
-            "`{frame}` is upside down in `{}`: its y axis, the image's down, points up",
+            "`{frame}` is upside down in `{}`: its y axis (down in the image) points up",
             mount.base
         );
         let finding = Finding::warning(subject, message, place)
             .hint()
             .relation("upside-down")
-            .help("right for a camera that hangs on its head and whose images are not turned; else turn the frame by 180 deg about its z");
+            .help("rotate the frame by 180 deg about its z, unless the camera is mounted upside down and its images are not rotated");
         return out.fail(better(finding.measured(measured)));
     }
     let looks = turned * Vector3::z();
     if looks_against_its_name(frame, &looks) == Ways::Against {
         let message = format!(
-            "`{frame}` looks {} in `{}`, and its name says the opposite: its z axis points {:.0} deg from x",
+            "`{frame}` looks {} in `{}`, against its name: its z axis is {:.0} deg from x",
             if looks.x > 0.0 { "ahead" } else { "back" },
             mount.base,
             looks.angle(&Vector3::x()).to_degrees()
@@ -98,7 +101,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         let finding = Finding::warning(subject, message, place)
             .likely()
             .relation("reversed")
-            .help("z is the direction of view (REP-103): RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2)");
+            .help("use RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2): z is the direction of view (REP-103)");
         return out.fail(better(finding.measured(measured)));
     }
     out.pass(subject, measured);

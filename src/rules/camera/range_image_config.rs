@@ -1,4 +1,4 @@
-//! CAMERA08: declared range images against the clouds that they are made of.
+//! CAMERA08: declared range images, compared with the clouds that they are made of.
 
 use crate::analysis::camera::declared::name;
 use crate::analysis::camera::range_images::{Limits, against, alone, beams, clouds};
@@ -52,6 +52,7 @@ impl Rule for RangeImageConfig {
             for fault in faults {
                 let finding = Finding::warning(&subject, fault.message, projection.place.clone())
                     .relation(fault.relation)
+                    .detail(fault.detail)
                     .help(fault.help)
                     .measured(fault.measured);
                 let finding = if fault.is_certain { finding } else { finding.likely() };

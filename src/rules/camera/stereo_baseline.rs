@@ -1,4 +1,4 @@
-//! CAMERA07: a stereo pair whose baseline is another in TF than in its calibration.
+//! CAMERA07: a stereo pair whose baseline in TF contradicts its calibration.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(crate) struct Limits {
     aside: f64,
 }
 
-/// Parts of names that tell the two cameras of a pair apart, left and right.
+/// Parts of names that distinguish the two cameras of a pair, left and right.
 const SIDES: [[&str; 2]; 3] = [["left", "right"], ["infra1", "infra2"], ["cam0", "cam1"]];
 
 impl Rule for StereoBaseline {
@@ -64,7 +64,7 @@ fn left_topics(right: &str) -> Vec<String> {
     found
 }
 
-/// By how much the right camera lies to the right of the left one, metres, by the projection of the right one.
+/// How far the right camera is to the right of the left one, metres, by the projection of the right one.
 fn baseline(calibration: &CameraModel) -> Option<f64> {
     let [fx, _, _, tx, ..] = calibration.p;
     (fx > 0.0 && tx.is_finite()).then_some(-tx / fx)
@@ -74,22 +74,28 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
     let subject = format!("baseline of `{}` and `{}`", left.topic, right.topic);
     let missing = |out: &mut Judge, why: &str| out.missing(&subject, why);
     let (Some(of_left), Some(by_p)) = (baseline(left.calibration), baseline(right.calibration)) else {
-        return missing(out, "P of one of the two has no focal length");
+        return missing(
+            out,
+            "P of one of the two has no focal length: publish a calibrated camera_info",
+        );
     };
     if of_left.abs() < limits.least_m && by_p.abs() < limits.least_m {
-        return missing(out, "neither P has a Tx: the two were not calibrated as a pair");
+        return missing(out, "neither P has a Tx: calibrate the two as a stereo pair");
     }
     let (Some(left_frame), Some(right_frame)) = (left.frame(), right.frame()) else {
-        return missing(out, "one of the two names no frame");
+        return missing(out, "one of the two has no frame_id: fill it in");
     };
     if left_frame == right_frame {
         return missing(
             out,
-            "both name the same frame: where the other camera is, TF does not say",
+            "both have the same frame_id, so TF has no transform between them: give each camera its own frame",
         );
     }
     let Some((left_from_right, _)) = world.graph().chain(&left_frame, &right_frame, |edge| edge.is_rigid) else {
-        return missing(out, &format!("nothing ties `{right_frame}` to `{left_frame}`"));
+        return missing(
+            out,
+            &format!("no rigid transform connects `{right_frame}` and `{left_frame}`: publish it on /tf_static"),
+        );
     };
     // Where the left camera is the reference its own Tx is 0.
     let by_p = by_p - of_left;
@@ -98,7 +104,7 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
     let measured = [
         Measured::new("baseline by the calibration", by_p, "m"),
         Measured::new("x of the right camera in the left one's frame", by_tf.x, "m"),
-        Measured::new("their difference over the distance", differs, "1").limit(limits.warning),
+        Measured::new("difference over the distance of the cameras", differs, "1").limit(limits.warning),
     ];
     if differs <= limits.warning {
         return out.pass(subject, measured);
@@ -106,21 +112,21 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
     let is_aside = by_tf.x.abs() < limits.aside * by_tf.norm();
     let (words, relation, help) = if is_aside {
         (
-            "TF puts it in another direction than to the right: a frame that is not optical",
+            "The right camera is not along x of the left one: the frames are probably not optical.",
             "not-optical",
-            "name the optical frames in both calibrations (x to the right, z ahead)",
+            "use the optical frames in both calibrations (x right, z forward)",
         )
     } else if by_p * by_tf.x < 0.0 {
         (
-            "by the one it is on the right, by the other on the left: left and right are swapped",
+            "Left and right are swapped in one of them.",
             "swapped",
             "exchange the two topics, or the two frames",
         )
     } else {
         (
-            "one of the two is wrong",
+            "One of the two is wrong.",
             "other-length",
-            "measure it; depth is wrong by the same part as the baseline",
+            "measure the baseline and correct the wrong one: depth has the same relative error",
         )
     };
     let severity = if differs > limits.error {
@@ -129,13 +135,15 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
         Severity::Warning
     };
     let message = format!(
-        "the right camera lies {by_p:.4} m to the right by `{}`, and at x = {:.4} m of {:.4} m by TF from `{right_frame}` to `{left_frame}`: \
-         {words}",
-        right.topic,
-        by_tf.x,
-        by_tf.norm()
+        "the stereo baseline is {by_p:.4} m on `{}`, but {:.4} m along x in TF",
+        right.topic, by_tf.x
     );
-    let finding = Finding::new(severity, &subject, message, right.place()).likely();
+    let finding = Finding::new(severity, &subject, message, right.place())
+        .likely()
+        .detail(format!(
+            "In TF `{right_frame}` is {:.4} m from `{left_frame}`. {words}",
+            by_tf.norm()
+        ));
     let finding = finding
         .relation(relation)
         .related(left.place(), "the left camera")

@@ -1,4 +1,4 @@
-//! CONFIG03: frames of `robot_localization` that its filters refuse, or with which they publish nothing.
+//! CONFIG03: frames of `robot_localization` that its filters reject, or with which they publish nothing.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ impl Rule for LocalizationFrames {
             let source = frames.place.source;
             let subject = format!("frames of `{}` of {}", settings.node, world.path(source));
             if let Some(finding) = frames.fault(settings, &subject) {
-                out.fail(finding.measured(Measured::count("settings that exclude each other", 1).limit(0.0)));
+                out.fail(finding.measured(Measured::count("contradictory settings", 1).limit(0.0)));
                 continue;
             }
             let is_off = settings.text("publish_tf").is_some_and(|value| value.value == "false");
@@ -27,28 +27,26 @@ impl Rule for LocalizationFrames {
             let before = publishers.get(&edge).filter(|_| !is_off);
             if let Some((other, place)) = before {
                 let message = format!(
-                    "`{other}` and `{}` both publish `{}` to `{}`: one transform, two estimates in turn",
+                    "filters `{other}` and `{}` both publish `{}` -> `{}`",
                     settings.node, edge.1, edge.2
                 );
                 let finding = Finding::error(subject, message, frames.place.clone())
                     .likely()
-                    .related(place.clone(), "the other")
-                    .help("of two filters one has `world_frame: odom`, the other `world_frame: map`; or set `publish_tf: false` for one");
+                    .related(place.clone(), "the other filter")
+                    .detail("A listener gets the two estimates in turn.")
+                    .help("set `world_frame: odom` for one filter and `world_frame: map` for the other, or `publish_tf: false` for one");
                 out.fail(finding.measured(Measured::count("filters for one transform", 2).limit(1.0)));
                 continue;
             }
             if !is_off {
                 publishers.insert(edge, (&settings.node, frames.place.clone()));
             }
-            out.pass(
-                subject,
-                [Measured::count("settings that exclude each other", 0).limit(0.0)],
-            );
+            out.pass(subject, [Measured::count("contradictory settings", 0).limit(0.0)]);
         }
     }
 }
 
-/// The frames of a filter, defaults put in.
+/// The frames of a filter, with defaults.
 struct Frames {
     map: String,
     odom: String,
@@ -58,7 +56,7 @@ struct Frames {
 }
 
 impl Frames {
-    /// `None` where no frame is set: then it is no filter, or wholly by default.
+    /// `None` if no frame is set: then it is no filter, or has defaults only.
     fn of(settings: &LocalizationSettings) -> Option<Self> {
         let keys = ["world_frame", "map_frame", "odom_frame", "base_link_frame"];
         let place = keys.iter().find_map(|key| Some(settings.text(key)?.place.clone()))?;
@@ -96,21 +94,25 @@ impl Frames {
         ];
         if let Some((one, frame, other, _)) = pairs.iter().find(|(_, a, _, b)| a == b) {
             let message = format!(
-                "`{one}` and `{other}` of `{}` are both `{frame}`: the filter refuses to start",
+                "`{one}` and `{other}` of `{}` are both `{frame}`: the filter does not start",
                 settings.node
             );
             return Some(
                 Finding::error(subject, message, place(other))
-                    .help("map, odom and base_link are three frames (REP-105): name each"),
+                    .help("set three different frames for map, odom and base_link (REP-105)"),
             );
         }
         if self.world != self.map && self.world != self.odom {
             let message = format!(
-                "`world_frame` of `{}` is `{}`, neither its map frame `{}` nor its odom frame `{}`: the filter publishes no transform",
-                settings.node, self.world, self.map, self.odom
+                "`world_frame` of `{}` is `{}`, neither its map frame nor its odom frame",
+                settings.node, self.world
             );
-            return Some(Finding::error(subject, message, place("world_frame")).help(format!(
-                "set it to `{}` for a filter of continuous odometry, to `{}` for one with absolute positions",
+            let detail = format!(
+                "The map frame is `{}`, the odom frame `{}`. With another world frame the filter publishes no transform.",
+                self.map, self.odom
+            );
+            return Some(Finding::error(subject, message, place("world_frame")).detail(detail).help(format!(
+                "set it to `{}` for a filter of continuous odometry, or to `{}` for one with absolute positions",
                 self.odom, self.map
             )));
         }

@@ -1,4 +1,4 @@
-//! CONFIG02: headings of `navsat_transform_node` in degrees, or with the sign of the declination the wrong way round.
+//! CONFIG02: settings of `navsat_transform_node` in degrees, or with the wrong sign of the declination.
 
 use crate::math::magnetism::declination_deg;
 use crate::rules::prelude::*;
@@ -45,26 +45,28 @@ fn judge_datum(settings: &LocalizationSettings, of: &str, out: &mut Judge) {
     let subject = format!("datum of {of}");
     let numbers: Option<Vec<f64>> = written.value.split_whitespace().map(|word| word.parse().ok()).collect();
     let Some([latitude, longitude, rest @ ..]) = numbers.as_deref() else {
-        return out.missing(subject, "the datum is no list of numbers");
+        return out.missing(subject, "the datum is not a list of numbers");
     };
     let heading = rest.first().copied().unwrap_or(0.0);
     let measured = Measured::new("heading of the datum", heading, "rad").limit(std::f64::consts::TAU);
     if latitude.abs() > 90.0 {
-        let message = format!("the latitude of the datum is {latitude}: the order is latitude, longitude, heading");
+        let message = format!("the latitude of the datum is {latitude} deg, but must be within 90 deg");
         let latitude = Measured::new("latitude", *latitude, "deg").limit(90.0);
         let finding = Finding::error(subject, message, written.place.clone());
         out.fail(
             finding
-                .help(format!("is {longitude} {} meant?", latitude.value))
+                .detail("The order is latitude, longitude, heading.")
+                .help(format!("write {longitude} {} if the two are swapped", latitude.value))
                 .measured(latitude),
         );
     } else if heading.abs() > std::f64::consts::TAU {
-        let message = format!("the heading of the datum is {heading}, over a full turn: it is read in radians");
+        let message = format!("the heading of the datum is {heading} rad, more than a full rotation");
         let finding = Finding::error(subject, message, written.place.clone())
             .likely()
             .relation("degrees");
         out.fail(
             finding
+                .detail("The node reads radians; this is probably in degrees.")
                 .help(format!("write {:.7}", heading.to_radians()))
                 .measured(measured),
         );
@@ -80,21 +82,24 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
     let subject = format!("yaw offset of {of}");
     let measured = Measured::new("yaw_offset", offset, "rad").limit(std::f64::consts::TAU);
     if offset.abs() > std::f64::consts::TAU {
-        let message = format!("`yaw_offset` is {offset}, over a full turn: it is read in radians");
+        let message = format!("`yaw_offset` is {offset} rad, more than a full rotation");
         let finding = Finding::error(subject, message, place.clone())
             .likely()
             .relation("degrees");
         out.fail(
             finding
+                .detail("The node reads radians; this is probably in degrees.")
                 .help(format!("write {:.7}", offset.to_radians()))
                 .measured(measured),
         );
     } else if (offset.to_degrees() + 90.0).abs() <= limits.quarter_deg {
-        let message = "`yaw_offset` is a quarter turn clockwise: an IMU that reads 0 facing north and turns counter-clockwise needs \
-                       +1.5707963, and one that turns clockwise cannot be fixed by an offset";
+        let message = "`yaw_offset` is -90 deg; an IMU that reads 0 facing north needs +90 deg";
         let finding = Finding::warning(subject, message, place.clone()).hint();
         out.fail(
             finding
+                .detail(
+                    "That is a yaw that increases counter-clockwise; an offset cannot correct a yaw that increases clockwise.",
+                )
                 .help("write 1.5707963, or correct the driver's convention")
                 .measured(measured),
         );
@@ -111,37 +116,42 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
     let written_deg = written.to_degrees();
     let size = Measured::new(DECLINATION, written, "rad").limit(limits.max_declination_rad);
     if written.abs() > limits.max_declination_rad {
-        let message = format!("`{DECLINATION}` is {written}: that is {written_deg:.0} deg, and degrees were meant");
+        let message = format!("`{DECLINATION}` is {written} rad ({written_deg:.0} deg): degrees were probably meant");
         let finding = Finding::error(subject, message, place.clone())
             .likely()
             .relation("degrees");
-        let help = format!("write {:.7}, and mind the sign: west is positive", written.to_radians());
+        let help = format!(
+            "write {:.7}, and check the sign: west is positive",
+            written.to_radians()
+        );
         return out.fail(finding.help(help).measured(size));
     }
     if written_deg.abs() < limits.least_deg {
         return out.pass(subject, [size]);
     }
     let Some((position, source)) = position(world, settings) else {
-        let why = "nothing says where on the Earth this is used: no datum, and no recording with positions";
+        let why = "the location is unknown: set a datum, or add a recording with GNSS fixes";
         return out.missing(subject, why);
     };
     let Some(declination) = declination_deg(position.0, position.1, limits.year) else {
-        return out.not_applicable(subject, "no declination there");
+        return out.not_applicable(subject, "the magnetic model has no declination at this location");
     };
     let east_or_west = if declination > 0.0 { "east" } else { "west" };
-    // The node adds the value to a yaw that turns counter-clockwise; magnetic north in the east makes that yaw too large.
+    // The node adds the value to a yaw that increases counter-clockwise; magnetic north in the east makes that yaw too large.
     let needed = -declination;
-    let measured = Measured::new("yaw to add by the world magnetic model", needed, "deg").limit(written_deg);
+    let measured = Measured::new("value by the World Magnetic Model", needed, "deg").limit(written_deg);
     let near = |value: f64| (written_deg - value).abs() <= limits.agree_deg;
     if !near(needed) && near(-needed) && declination.abs() >= limits.least_deg {
-        let message = format!(
-            "`{DECLINATION}` is {written_deg:+.1} deg, and the yaw needs {needed:+.1} deg: at {:.3}, {:.3} the declination is {:.1} deg {east_or_west}, and the node adds its value to a yaw that turns counter-clockwise",
+        let message = format!("`{DECLINATION}` has the wrong sign: {written_deg:+.1} deg instead of {needed:+.1} deg");
+        let detail = format!(
+            "At {:.3}, {:.3} the declination is {:.1} deg {east_or_west}, and the node adds its value to a yaw that increases counter-clockwise.",
             position.0,
             position.1,
             declination.abs(),
         );
         let finding = Finding::warning(subject, message, place.clone())
             .likely()
+            .detail(detail)
             .relation("sign")
             .help(format!(
                 "write {:.7}: a declination to the east is negative here",
@@ -157,7 +167,7 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
     }
 }
 
-/// Where the robot is: the datum of these settings, another file's origin, or what a receiver says.
+/// Where the robot is: the datum of these settings, another file's origin, or a GNSS fix.
 fn position(world: &World, settings: &LocalizationSettings) -> Option<((f64, f64), Option<Place>)> {
     let datum = settings.values.get("datum").and_then(|datum| {
         let mut numbers = datum.value.split_whitespace().map(|word| word.parse::<f64>().ok());

@@ -1,4 +1,4 @@
-//! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
+//! CONFIG01: arguments that `static_transform_publisher` rejects, or reads differently from what was meant.
 
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ pub(crate) struct Limits {
     unit: f64,
 }
 
-/// Frames for which half a turn about x is their very meaning.
+/// Words of frames that are defined by a rotation of 180 deg about x.
 const TURNED_OVER: [&str; 4] = ["ned", "frd", "nwu", "flu"];
 
 impl Rule for StaticTransformArguments {
@@ -37,10 +37,10 @@ impl Rule for StaticTransformArguments {
                 world.path(publisher.place.source)
             );
             match refused(publisher) {
-                Some((message, help)) => {
+                Some((message, detail, help)) => {
                     let count = Measured::count("arguments", publisher.arguments as usize);
                     let finding = Finding::error(subject, message, publisher.place.clone());
-                    out.fail(finding.help(help).measured(count));
+                    out.fail(finding.detail(detail).help(help).measured(count));
                 }
                 None => judge_read(&claims, publisher, subject, limits, out),
             }
@@ -48,55 +48,57 @@ impl Rule for StaticTransformArguments {
     }
 }
 
-/// Why the program ends, or reads nonsense, with what to do.
-fn refused(publisher: &StaticPublisher) -> Option<(String, &'static str)> {
+/// Why the program exits, or misreads its arguments: headline, detail and help.
+fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)> {
+    const ADD: &str = "add the period in milliseconds (100), or use the package tf2_ros";
+    const REMOVE: &str = "remove the last number: a latched transform has no period";
     let name = &publisher.label;
     if let Some(Unread::Misread(why)) = &publisher.unread {
-        let message = format!("static_transform_publisher cannot use the arguments of `{name}`: {why}");
+        let message = format!("static_transform_publisher cannot read the arguments of `{name}`");
         return Some((
             message,
-            "give x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
+            why.clone(),
+            "write x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
         ));
     }
     publisher.form.filter(|form| *form != ArgumentForm::Flags)?;
     let is_of_ros1 = publisher.is_ros2 == Some(false);
-    let takes = "static_transform_publisher of the package";
     match (publisher.package.as_deref(), publisher.has_period, publisher.arguments) {
-        // Nine words are the other form: the programs of ROS 1 count them, and do not look.
+        // Nine words are the other form: the programs of ROS 1 only count them.
         (Some("tf"), false, 9) => Some((
-            format!(
-                "`{name}` has no period: {takes} tf then reads the quaternion as three angles, its last number as the parent, and the child as the period"
-            ),
-            "add the period in milliseconds (100), or use the package tf2_ros",
+            format!("`{name}` has no period, which static_transform_publisher of `tf` requires"),
+            "It reads the quaternion as three angles, its last number as the parent, and the child as the period.".to_owned(),
+            ADD,
         )),
         (Some("tf"), false, _) => Some((
-            format!("`{name}` ends at once: {takes} tf asks for a period behind the frames"),
-            "add the period in milliseconds (100), or use the package tf2_ros",
+            format!("`{name}` has no period, which static_transform_publisher of `tf` requires"),
+            "The program exits at once. The period comes after the frames.".to_owned(),
+            ADD,
         )),
         (Some("tf2_ros"), true, 9) if is_of_ros1 => Some((
-            format!(
-                "`{name}` has a period: {takes} tf2_ros takes none, and reads the angles and the parent as a quaternion, the child as the parent, and the period as the child"
-            ),
-            "remove the last number: a latched transform has no period",
+            format!("`{name}` has a period, which static_transform_publisher of `tf2_ros` does not take"),
+            "It reads the angles and the parent as a quaternion, the child as the parent, and the period as the child.".to_owned(),
+            REMOVE,
         )),
         (Some("tf2_ros"), true, _) => Some((
-            format!("`{name}` ends at once: {takes} tf2_ros takes no period behind the frames"),
-            "remove the last number: a latched transform has no period",
+            format!("`{name}` has a period, which static_transform_publisher of `tf2_ros` does not take"),
+            "The program exits at once.".to_owned(),
+            REMOVE,
         )),
         _ => None,
     }
 }
 
-/// Claims by place and label; of several alike the first.
+/// Claims by place and label; the first of several.
 type ClaimsAt<'w> = BTreeMap<(&'w Place, &'w str), &'w Claim>;
 
 fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
     match &publisher.unread {
         Some(Unread::Open(what)) => {
-            return out.missing(subject, format!("`{what}` is filled in when the file is run"));
+            return out.missing(subject, format!("`{what}` is known only when the file is run"));
         }
         Some(Unread::Parameter(name)) => {
-            return out.missing(subject, format!("the transform stands in the parameter `{name}`"));
+            return out.missing(subject, format!("the transform is in the parameter `{name}`, which is not read"));
         }
         Some(Unread::Misread(_)) | None => {}
     }
@@ -120,16 +122,17 @@ fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, l
     let count = Measured::count("arguments", publisher.arguments as usize);
     match suspect {
         None => out.pass(subject, [count]),
-        Some((message, help, measured, relation)) => {
+        Some((message, detail, help, measured, relation)) => {
             let finding = Finding::warning(subject, message, place).hint().relation(relation);
-            out.fail(finding.help(help).measured(measured));
+            out.fail(finding.detail(detail).help(help).measured(measured));
         }
     }
 }
 
-type Suspect = (String, String, Measured, &'static str);
+/// Headline, detail, help, what was measured, and the relation.
+type Suspect = (String, &'static str, &'static str, Measured, &'static str);
 
-/// A sensor that is rolled by a quarter turn and not turned otherwise: the last angle is roll, and yaw is the first.
+/// A sensor with a roll of 90 deg and no other rotation: the last angle is roll, and yaw is the first.
 fn rolled(claim: &Claim, [roll, pitch, yaw]: [f64; 3], limits: &Limits) -> Option<Suspect> {
     let (parent, child) = claim.frames.as_ref()?;
     let is_zero = |angle: f64| angle.to_degrees().abs() <= limits.zero_deg;
@@ -137,18 +140,16 @@ fn rolled(claim: &Claim, [roll, pitch, yaw]: [f64; 3], limits: &Limits) -> Optio
     let is_mount = names::is_base(parent) && names::optical_stem(child).is_none();
     (is_mount && quarter && is_zero(pitch) && is_zero(yaw)).then(|| {
         (
-            format!(
-                "`{child}` is rolled by {:.1} deg and not turned otherwise: the arguments are yaw pitch roll, and only the last is set",
-                roll.to_degrees()
-            ),
-            "if a turn about z is meant, put the angle first; if the sensor does lie on its side, leave it".to_owned(),
+            format!("`{child}` has a roll of {:.1} deg and no other rotation: probably a yaw", roll.to_degrees()),
+            "The order of the arguments is yaw pitch roll, and only the last is set.",
+            "put the angle first if it is a yaw; leave it if the sensor is mounted on its side",
             Measured::new("roll", roll.to_degrees(), "deg"),
             "rpy-order",
         )
     })
 }
 
-/// An identity with its scalar first is half a turn about x.
+/// An identity with its scalar first is a rotation by 180 deg about x.
 fn scalar_first(claim: &Claim, [x, y, z, w]: [f64; 4], limits: &Limits) -> Option<Suspect> {
     let (parent, child) = claim.frames.as_ref()?;
     let is_zero = |value: f64| value.abs() <= limits.unit;
@@ -158,8 +159,9 @@ fn scalar_first(claim: &Claim, [x, y, z, w]: [f64; 4], limits: &Limits) -> Optio
         .any(|word| parent.has_token(word) || child.has_token(word));
     (is_first && !is_meant).then(|| {
         (
-            format!("`{child}` is turned over by 180 deg about x: 1 0 0 0 is read as x y z w, and is no rotation only as w x y z"),
-            "write 0 0 0 1 for no rotation".to_owned(),
+            format!("`{child}` is rotated by 180 deg about x: the quaternion 1 0 0 0 is read as x y z w"),
+            "It is the identity only in the order w x y z.",
+            "write 0 0 0 1 for no rotation",
             Measured::new("rotation", 180.0, "deg"),
             "quaternion-order",
         )

@@ -1,4 +1,4 @@
-//! COV04: covariances that are expressed in other axes than the message says.
+//! COV04: covariances that are expressed in other axes than their message defines.
 
 mod pairs;
 
@@ -26,23 +26,23 @@ impl Rule for CovFrame {
     }
 }
 
-/// Where the axes of a stream's covariances turn, or why that cannot be said.
+/// How the axes of a stream's covariances rotate, or why that is unknown.
 fn axes(declared: &Declared<'_>, limits: &Limits) -> Result<Axes, String> {
     if declared.samples.is_empty() {
         return Err("every covariance is all zeros, or not finite".to_owned());
     }
     let Some(axes) = declared.axes() else {
-        return Err("no covariance of x and y is an ellipse".to_owned());
+        return Err("no covariance of x and y is a valid ellipse, or the yaw is unknown".to_owned());
     };
     if axes.stretch < limits.min_stretch {
         return Err(format!(
-            "x and y are alike (the ellipse is stretched {:.2} times, {} are needed): it has no direction",
+            "the ellipse of x and y has no direction (axis ratio {:.2}, {} is needed)",
             axes.stretch, limits.min_stretch
         ));
     }
     if axes.spread < limits.min_spread {
         return Err(format!(
-            "the yaw hardly changes (spread {:.2}, {} is needed): axes of the world and of the body are the same",
+            "the yaw hardly changes (spread {:.2}, {} is needed): world and body axes cannot be distinguished",
             axes.spread, limits.min_spread
         ));
     }
@@ -59,7 +59,7 @@ fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
         Measured::new("constancy of the longer axis as published", axes.constant, "1").samples(n),
-        Measured::new("constancy of the longer axis less the yaw", axes.less_yaw, "1").samples(n),
+        Measured::new("constancy of the longer axis minus the yaw", axes.less_yaw, "1").samples(n),
         Measured::new("longer over shorter axis", axes.stretch, "1").limit(limits.min_stretch),
     ]
 }
@@ -68,7 +68,10 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let subject = format!("axes of `twist.covariance` on {}", stream.subject);
     let little = NotEvaluated::TooLittleEvidence;
     if declared.is_constant() {
-        return out.not_applicable(subject, "one constant matrix: numbers that were typed in, which do not turn anyhow");
+        return out.not_applicable(
+            subject,
+            "one constant matrix in all messages: hard-coded numbers do not rotate",
+        );
     }
     let axes = match axes(declared, limits) {
         Ok(axes) => axes,
@@ -80,19 +83,21 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     }
     if axes.less_yaw <= limits.along || axes.constant >= limits.across {
         let why = format!(
-            "its longer axis keeps to neither body nor world (constancy {:.2} and {:.2}, {} is needed)",
+            "its longer axis is constant neither as published nor minus the yaw ({:.2} and {:.2}, {} is needed)",
             axes.constant, axes.less_yaw, limits.along
         );
         return out.not_evaluated(subject, little, why);
     }
     let message = format!(
-        "`twist.covariance` on `{}` turns with the yaw (constancy of its longer axis {:.2} less the yaw, {:.2} as published): it is in the \
-         axes of the world, and the velocity is in those of the child frame",
-        stream.topic, axes.less_yaw, axes.constant
+        "`{}`: `twist.covariance` is expressed in world axes, not in the child frame",
+        stream.topic
     );
-    let finding = Finding::warning(subject, message, stream.place()).likely().relation("in-world").unless(codes::AXES08).help(
-        "publish it in the child frame: `C_body = R^T C_world R`, with `R` the orientation of the pose, for both blocks of three",
-    );
+    let finding = Finding::warning(subject, message, stream.place())
+        .likely()
+        .relation("in-world")
+        .unless(codes::AXES08)
+        .detail("Its longer axis rotates with the yaw, while the velocity is expressed in the child frame.")
+        .help("publish it in the child frame: `C_body = R^T C_world R` for both 3x3 blocks, with `R` the orientation of the pose");
     out.fail(finding.measured(measured));
 }
 
@@ -106,7 +111,7 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
     let noise = Noise::of(stream, declared.topic);
     let Some((fixed, body)) = noise.ellipses().filter(|_| noise.count() as f64 >= limits.min_poses) else {
         let why = format!(
-            "{} poses at even steps show the noise that it speaks of, {} are needed",
+            "{} evenly spaced poses to measure the noise from, {} are needed",
             noise.count(),
             limits.min_poses
         );
@@ -115,8 +120,8 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
     let scale = axes.trace / fixed.trace;
     if !(1.0 / limits.scale..=limits.scale).contains(&scale) {
         let why = format!(
-            "it states {scale:.2e} times the variance that the poses show from one to the next, up to {} are needed: a filtered \
-             estimate hides where its error points",
+            "it states {scale:.2e} times the variance of the noise from pose to pose (a factor of {} is allowed): a filtered estimate \
+             hides the direction of its error",
             limits.scale
         );
         return little(why, out);
@@ -133,35 +138,35 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
         Measured::new("noise, longer over shorter axis in the frame", fixed.stretch, "1").samples(noise.count() as u64),
         Measured::new("noise, longer over shorter axis in the body", body.stretch, "1").samples(noise.count() as u64),
     ]);
-    let wrong = match (with_body, with_world, told_body, told_world) {
+    let (wrong, detail) = match (with_body, with_world, told_body, told_world) {
         (true, _, true, _) | (_, true, _, true) => return out.pass(&subject, all),
-        (true, _, _, true) => {
-            "keeps its axes while the platform turns, and the noise of the poses turns with the body: it is in the body's axes"
-        }
-        (_, true, true, _) => {
-            "turns with the body, and the noise of the poses keeps its axes: it was turned, and must not be"
-        }
+        (true, _, _, true) => (
+            "is expressed in body axes, not in its header's frame",
+            "The covariance keeps its axes while the platform turns; the noise of the poses rotates with the body.",
+        ),
+        (_, true, true, _) => (
+            "is rotated by the orientation and must not be",
+            "The covariance rotates with the body; the noise of the poses keeps its axes.",
+        ),
         _ => {
             let why = format!(
-                "neither covariance nor noise keep clearly to body or world (covariance: constancy {:.2} and {:.2}; noise: stretched {:.2} \
-                 and {:.2} times)",
+                "covariance and noise do not clearly follow body or world axes (covariance: constancy {:.2} minus the yaw, {:.2} as \
+                 published; noise: axis ratio {:.2} in the body, {:.2} in the frame)",
                 axes.less_yaw, axes.constant, body.stretch, fixed.stretch
             );
             return little(why, out);
         }
     };
-    let message = format!(
-        "`pose.covariance` on `{}` {wrong} (noise stretched {:.1} times in the body's axes, {:.1} times in those of the frame)",
-        stream.topic, body.stretch, fixed.stretch
-    );
+    let message = format!("`{}`: `pose.covariance` {wrong}", stream.topic);
     let finding = Finding::warning(&subject, message, stream.place())
         .relation(if told_world { "not-rotated" } else { "rotated-twice" })
         .help(if told_world {
-            "the covariance of a pose is in the axes of its header's frame: `C_world = R C_body R^T`, with `R` the orientation of the pose"
+            "express it in the header's frame: `C_world = R C_body R^T`, with `R` the orientation of the pose"
         } else {
-            "publish the covariance of the position in the header's frame as it is; it must not be turned by the orientation"
-        });
-    // One matrix for all messages was typed in: nobody meant the axes.
+            "publish the covariance of the position in the header's frame, without rotating it by the orientation"
+        })
+        .detail(detail);
+    // One matrix for all messages is hard-coded: its axes were probably not intended.
     let finding = if declared.is_constant() {
         finding.hint()
     } else {

@@ -1,4 +1,4 @@
-//! COV02: the rotations of a covariance stand before its positions.
+//! COV02: covariances with rotations before positions.
 
 use crate::analysis::cov::declared::{Declared, each};
 use crate::analysis::cov::fit::{Fit, Reading};
@@ -8,6 +8,10 @@ use crate::rules::prelude::*;
 use crate::world::motion::PoseRow;
 
 pub(crate) struct CovOrder;
+
+/// What to do.
+const SWAP: &str =
+    "swap the 3x3 blocks before publishing: ROS has translation, rotation; GTSAM's Pose3 has rotation, translation";
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,20 +66,23 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     if !is_swapped {
         return out.too_little(subject, match best {
             Some(Reading::AsPublished | Reading::RotationFirst) | None => format!(
-                "the variances miss the noise of the poses by a factor of {told:.1e} as published, and by {swapped:.1e} with rotations first: \
-                 they speak of other errors than those from pose to pose"
+                "the variances differ from the noise of the poses by a factor of {told:.1e} as published, and {swapped:.1e} with rotations \
+                 first: they describe other errors than those from pose to pose"
             ),
             Some(_) => "another unit explains it".to_owned(),
         });
     }
     let message = format!(
-        "`pose.covariance` on `{}` has its rotations first: so read each of its variances (x and y, z, tilt, yaw) is within a factor of {swapped:.1} of the noise \
-         that {} poses show, in the order of ROS (x, y, z, then about x, y, z) one misses by {told:.0}",
-        stream.topic, fit.poses
+        "`{}`: `pose.covariance` has rotations before positions (off by a factor of {told:.0} as published)",
+        stream.topic
     );
     let finding = Finding::warning(subject, message, stream.place())
         .relation("rotation-first")
-        .help("exchange the blocks of three before publishing: GTSAM's Pose3 has rotation, translation; ROS has translation, rotation");
+        .detail(
+            "Read with rotations first, all variances (x and y, z, tilt, yaw) are near the noise from pose to pose; in the order of ROS \
+             one is off.",
+        )
+        .help(SWAP);
     let finding = if swapped <= limits.fits {
         finding.likely()
     } else {
@@ -84,7 +91,7 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     out.fail(finding.measured(measured));
 }
 
-/// How far the poses lie apart in x and y, metres, where height and tilt are the same in all of them.
+/// How far apart the poses are in x and y, metres, where height and tilt are the same in all of them.
 fn moves_in_a_plane(stream: &Stream<PoseRow>) -> Option<f64> {
     let [x0, y0, z0] = stream.rows().next()?.row.position;
     let mut way = 0.0_f64;
@@ -99,10 +106,10 @@ fn moves_in_a_plane(stream: &Stream<PoseRow>) -> Option<f64> {
     Some(way)
 }
 
-/// What rounding leaves of a plane, metres and radians.
+/// What rounding makes of a plane, metres and radians.
 const FLAT: f64 = 1e-6;
 
-/// Whether every matrix is sure of x and y to the last digit, and not of roll and pitch.
+/// Whether every matrix has zero variance of x and y, but not of roll and pitch.
 fn states_tilts_alone(declared: &Declared<'_>) -> bool {
     let alone = |values: &[f64]| {
         let of = |axis: usize| values.get(7 * axis).copied().unwrap_or(f64::NAN);
@@ -120,17 +127,19 @@ fn in_a_plane(
 ) -> Finding {
     let count = declared.samples.len();
     let message = format!(
-        "`pose.covariance` on `{}` says that x and y are known exactly, and roll and pitch are not, of poses that move by {way_m:.1} m in x and \
-         y and never tilt: its rotations stand first",
+        "`{}`: `pose.covariance` has rotations before positions (zero variance of x and y)",
         stream.topic
     );
     Finding::warning(subject, message, stream.place())
         .likely()
         .relation("rotation-first")
-        .help("exchange the blocks of three before publishing: ROS has x, y, z, then the rotations about x, y, z")
-        .measured(Measured::new("way in x and y", way_m, "m").limit(limits.way_m))
+        .detail(format!(
+            "The poses move by {way_m:.1} m in x and y and never tilt, yet x and y are stated as exact, and roll and pitch are not."
+        ))
+        .help(SWAP)
+        .measured(Measured::new("distance in x and y", way_m, "m").limit(limits.way_m))
         .measured(Measured::count(
-            "matrices with no variance of x and y, and some of roll and pitch",
+            "matrices with zero variance of x and y, but not of roll and pitch",
             count,
         ))
 }

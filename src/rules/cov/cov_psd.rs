@@ -1,4 +1,4 @@
-//! COV01: covariances that are none: not finite, not symmetric, with a negative variance, or never filled.
+//! COV01: invalid covariances: not finite, not symmetric, with a negative variance, or never filled.
 
 use crate::rules::prelude::*;
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
@@ -23,7 +23,7 @@ impl Rule for CovPsd {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for said in bag.topics.values().flat_map(TopicEvidence::said) {
-                // What is guessed from plain fields has the covariances alone that are among them.
+                // Messages guessed from plain fields have only the covariances that are among these fields.
                 let is_there = |evidence: &CovarianceEvidence| !said.guessed || evidence.all_zero < evidence.count;
                 for (field, evidence) in said.content.covariances.iter().filter(|(_, all)| is_there(all)) {
                     let subject = format!("`{field}` on {}", said.subject());
@@ -41,7 +41,7 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
         asymmetric(evidence, limits),
         negative(evidence, limits),
     ];
-    // A matrix that is not symmetric, or holds no numbers, has no eigenvalues to speak of.
+    // A matrix that is not symmetric, or holds no numbers, has no meaningful eigenvalues.
     if let Some(fault) = faults.into_iter().flatten().next() {
         let message = format!("{subject}: {}", fault.words);
         let place = Place::message(bag.source, fault.at.at.clone());
@@ -49,7 +49,10 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
         return out.fail(finding.measured(fault.measured.samples(evidence.count)));
     }
     let (Some((asymmetry, _)), Some((least, _))) = (&evidence.most_asymmetric, &evidence.least_positive) else {
-        return out.not_applicable(subject, "every matrix is all zeros or marked with -1: it says that it is not known");
+        return out.not_applicable(
+            subject,
+            "every matrix is all zeros or begins with -1: the covariance is marked as unknown",
+        );
     };
     out.pass(
         subject,
@@ -75,17 +78,14 @@ fn non_finite<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
     let at = first.as_ref().filter(|_| *count as f64 > limits.max_non_finite)?;
     Some(Fault {
         severity: Severity::Error,
-        words: format!(
-            "{count} of {} matrices hold numbers that are not finite",
-            evidence.count
-        ),
-        help: "a covariance that is not known is all zeros, or begins with -1 where the field itself holds nothing",
+        words: format!("{count} of {} matrices contain NaN or infinity", evidence.count),
+        help: "publish all zeros where the covariance is unknown, and -1 as the first element where the field itself is not measured",
         measured: Measured::new("matrices that are not finite", *count as f64, "count").limit(limits.max_non_finite),
         at,
     })
 }
 
-/// Numbers that no computation gives: what lay in memory before.
+/// Numbers that no computation gives: uninitialised memory.
 fn denormal<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
     let is_denormal = |value: &f64| *value != 0.0 && value.abs() < limits.denormal;
     let mut found = evidence.samples.iter().enumerate().filter_map(|(number, at)| {
@@ -99,8 +99,8 @@ fn denormal<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
     }
     Some(Fault {
         severity: Severity::Warning,
-        words: format!("a matrix holds {value:e}: memory that was never filled"),
-        help: "set every element where the message is made, to zero where nothing is known",
+        words: format!("a matrix contains {value:e}: probably uninitialised memory"),
+        help: "set every element of the matrix before publishing, to zero where nothing is known",
         measured: Measured::new("smallest number that is not zero", value, "1").limit(limits.denormal),
         at,
     })
@@ -113,8 +113,8 @@ fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
         .filter(|(value, _)| *value > limits.asymmetry)?;
     Some(Fault {
         severity: graded(*asymmetry, limits),
-        words: format!("a matrix is not symmetric: elements differ by {asymmetry:.3e} of the largest"),
-        help: "look for a matrix filled by half, read in the other order, or of another size",
+        words: format!("not symmetric, by {asymmetry:.3e} of the largest element"),
+        help: "check how the matrix is filled: only one half, in another element order, or with another size",
         measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
         at,
     })
@@ -127,10 +127,8 @@ fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
         .filter(|(value, _)| *value < limits.negative)?;
     Some(Fault {
         severity: graded(-least, limits),
-        words: format!(
-            "a matrix has a negative variance: its smallest eigenvalue is {least:.3e} of the largest number"
-        ),
-        help: "look for covariances larger than their variances allow, variances left zero beside them, or rounding",
+        words: format!("negative eigenvalue, {least:.3e} of the largest element"),
+        help: "check for covariances larger than their variances allow, variances of zero beside them, or rounding",
         measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").limit(limits.negative),
         at,
     })

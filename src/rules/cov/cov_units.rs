@@ -41,7 +41,7 @@ impl Rule for CovUnits {
     }
 }
 
-/// An angle cannot be less sure than not at all.
+/// An angle cannot have more variance than an unknown one.
 fn judge_angles(
     source: crate::source::SourceId,
     topic: &TopicEvidence,
@@ -64,7 +64,7 @@ fn judge_angles(
             .collect();
         let most = values.iter().map(|value| value.0).fold(0.0, f64::max);
         let least = values.iter().map(|value| value.0).fold(f64::INFINITY, f64::min);
-        // A number that never changes was typed in: many mean "not known" by a large one.
+        // A number that never changes is hard-coded: a large one often means "unknown".
         if most - least <= 1e-9 * most || values.is_empty() {
             continue;
         }
@@ -75,7 +75,7 @@ fn judge_angles(
         }
         if most > limits.grows * least {
             let why = format!(
-                "the variance of an angle grows from {least:.1} to {most:.1}: a filter to which nobody tells that angle, in whatever unit"
+                "the variance of an angle grows from {least:.1} to {most:.1}: a filter that never observes this angle, in any unit"
             );
             return out.too_little(subject, why);
         }
@@ -86,15 +86,20 @@ fn judge_angles(
             |value| Place::message(source, value.1.at.clone()),
         );
         let message = format!(
-            "`{field}` on `{}` says a variance of {middle:.1} rad2 about {name}: a deviation of {:.0} deg, where an angle that is not known at \
-             all has 104 deg (pi2/3 rad2); in deg2 it is one of {:.1} deg",
-            topic.topic,
-            middle.sqrt().to_degrees(),
-            middle.sqrt()
+            "`{}`: `{field}` has a variance of {middle:.1} rad2 about {name}, probably deg2",
+            topic.topic
         );
-        let finding = Finding::warning(subject, message, place).likely().relation("degrees").help(format!(
-            "publish rad2: divide by {DEG2_PER_RAD2:.1}; if the numbers are rad2, nobody tells the filter this angle"
-        ));
+        let finding = Finding::warning(subject, message, place)
+            .likely()
+            .relation("degrees")
+            .detail(format!(
+                "In rad2 the standard deviation is {:.0} deg, where an unknown angle has 104 deg (pi2/3 rad2); in deg2 it is {:.1} deg.",
+                middle.sqrt().to_degrees(),
+                middle.sqrt()
+            ))
+            .help(format!(
+                "publish rad2: divide by {DEG2_PER_RAD2:.1}; if the numbers are rad2, the filter never observes this angle"
+            ));
         return out.fail(
             finding.measured(
                 Measured::new("variance of an angle", middle, "rad2")
@@ -111,12 +116,11 @@ fn judge_angles(
                 .samples(evidence.count)],
         ),
         Some(most) => {
-            let why = format!("a variance of {most:.1e} is no angle in rad2 or deg2: it says that it is not known");
+            let why = format!("a variance of {most:.1e} is too large for rad2 and deg2: it marks the angle as unknown");
             out.not_applicable(subject, why);
         }
         None => {
-            let why =
-                "no variance of an angle ever changes: none is stated, or numbers were typed in, which say nothing";
+            let why = "no variance of an angle changes: none is stated, or the numbers are hard-coded";
             out.not_applicable(subject, why);
         }
     }
@@ -137,50 +141,50 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let (word, what, help) = match best {
         Some(Reading::Degrees) => (
             "degrees",
-            "its rotations in deg2",
-            "divide the variances of rotations by 3282.8 (deg2 in a rad2)",
+            "rotations in deg2 instead of rad2",
+            "divide the variances of rotations by 3282.8 (deg2 per rad2)",
         ),
         Some(Reading::Centimetres) => (
             "centimetres",
-            "its positions in cm2",
-            "divide the variances of positions by 10000 (cm2 in a m2)",
+            "positions in cm2 instead of m2",
+            "divide the variances of positions by 10000 (cm2 per m2)",
         ),
         Some(Reading::Millimetres) => (
             "millimetres",
-            "its positions in mm2",
-            "divide the variances of positions by 1000000 (mm2 in a m2)",
+            "positions in mm2 instead of m2",
+            "divide the variances of positions by 1000000 (mm2 per m2)",
         ),
         Some(Reading::Deviations) => (
             "deviations",
-            "deviations in place of variances",
-            "square them: a covariance holds variances",
+            "standard deviations instead of variances",
+            "square the values: a covariance holds variances",
         ),
         Some(Reading::RotationFirst) => (
             "rotation-first",
-            "its rotations first",
-            "exchange the blocks of three: positions come before rotations",
+            "rotations before positions",
+            "swap the 3x3 blocks: positions come before rotations",
         ),
         Some(Reading::AsPublished) | None => {
             let why = format!(
-                "the variances miss the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they speak of other \
-                 errors than those from pose to pose"
+                "the variances differ from the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they \
+                 describe other errors than those from pose to pose"
             );
             return out.too_little(subject, why);
         }
     };
     let best = fit.readings.first().map_or(f64::NAN, |reading| reading.1);
     let message = format!(
-        "`pose.covariance` on `{}` has {what}: so read each variance is within a factor of {best:.1} of the noise that {} poses show, in m2 \
-         and rad2 one misses by {told:.0}",
-        stream.topic, fit.poses
+        "`{}`: `pose.covariance` has {what} (off by a factor of {told:.0})",
+        stream.topic
     );
     out.fail(
         Finding::warning(subject, message, stream.place())
             .likely()
             .unless(codes::COV02)
             .relation(word)
+            .detail("Read this way, all variances are near the noise from pose to pose; as m2 and rad2 one is off.")
             .help(help)
-            .measured(factor("factor to the noise, so read", best))
+            .measured(factor("factor to the noise, read this way", best))
             .measured(factor("factor to the noise, m2 and rad2", told)),
     );
 }

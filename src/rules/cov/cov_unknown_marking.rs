@@ -1,4 +1,4 @@
-//! COV03: inertial messages that carry no orientation, and do not say so.
+//! COV03: IMU messages without an orientation that are not marked so.
 
 use crate::rules::prelude::*;
 use crate::world::BagEvidence;
@@ -36,7 +36,7 @@ impl Rule for CovUnknownMarking {
 enum Marking {
     /// -1: no estimate.
     Nothing,
-    /// All zeros: an orientation whose covariance is not known.
+    /// All zeros: an orientation whose covariance is unknown.
     Zeros,
     /// Numbers.
     Numbers,
@@ -63,29 +63,33 @@ fn judge_imu(bag: &BagEvidence, said: &Said<'_>, imu: &ImuEvidence, limits: &Lim
     let measured = Measured::new("share of equal orientations", constant, "1")
         .limit(limits.constant_share)
         .samples(imu.count);
-    let turned = Measured::new("turned by the gyroscope", imu.turned_rad, "rad").limit(limits.turned_rad);
+    let turned = Measured::new("rotation by the gyroscope", imu.turned_rad, "rad").limit(limits.turned_rad);
     if marked == Marking::Nothing {
         let marks = Measured::new("orientations marked with -1", 1.0, "1").samples(imu.count);
         return out.pass(subject, [marks, measured]);
     }
     if imu.count < limits.min_messages {
-        return out.too_little(subject, format!("{} messages, {} are needed", imu.count, limits.min_messages));
+        return out.too_little(
+            subject,
+            format!("{} messages, {} are needed", imu.count, limits.min_messages),
+        );
     }
     if constant < limits.constant_share {
         return out.pass(subject, [measured, turned]);
     }
     let turns = imu.turned_rad >= limits.turned_rad && imu.angular_velocity_rms >= limits.turning_rad_s;
     if !turns {
-        return out.too_little(subject, "the orientation is constant, and the gyroscope did not turn: it may be right");
+        let why = "the orientation is constant and the gyroscope shows no rotation: it may be right; record a turn";
+        return out.too_little(subject, why);
     }
     let (what, severity) = if share(imu.zero) >= limits.constant_share {
-        // Consumers see that it is none.
+        // Consumers recognise that there is none.
         ("all zeros", Severity::Note)
     } else {
         let what = if share(imu.identity) >= limits.constant_share {
             "the identity"
         } else {
-            "one and the same"
+            "constant"
         };
         (
             what,
@@ -101,13 +105,13 @@ fn judge_imu(bag: &BagEvidence, said: &Said<'_>, imu: &ImuEvidence, limits: &Lim
         None => Place::whole(bag.source),
     };
     let message = format!(
-        "the orientation on {subject} is {what} in all messages, while the gyroscope turns by {:.1} rad: there is no \
-         orientation, and `orientation_covariance[0]` is not -1",
+        "{subject}: orientation is {what} in all messages, but the gyroscope turns {:.1} rad",
         imu.turned_rad
     );
     out.fail(
         Finding::new(severity, subject, message, place)
             .likely()
+            .detail("There is no orientation, but `orientation_covariance[0]` is not -1.")
             .help("set `orientation_covariance[0] = -1` where the device gives no orientation")
             .measured(measured)
             .measured(turned),

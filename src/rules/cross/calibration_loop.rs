@@ -23,10 +23,10 @@ pub(crate) struct Limits {
     error_sigmas: f64,
 }
 
-/// Three transforms that lead from a frame back to it: `a_from_b`, `b_from_c`, `c_from_a`.
+/// Three transforms that close a loop: `a_from_b`, `b_from_c`, `c_from_a`.
 struct Loop<'s> {
     frames: [&'s FrameId; 3],
-    /// As they go round; each with the statement it is of.
+    /// In the order of the loop, each with its statement.
     edges: [(Isometry3<f64>, &'s Statement); 3],
 }
 
@@ -49,7 +49,7 @@ impl Rule for CalibrationLoop {
                 one.judge(world.path(source), limits, out);
             }
             if are_more {
-                let why = format!("it has more than {MAX_LOOPS} loops of three frames; the others were left out");
+                let why = format!("only the first {MAX_LOOPS} loops of three frames were checked: give fewer files in one run");
                 let subject = format!("more loops in {}", world.path(source));
                 out.too_little(subject, why);
             }
@@ -58,10 +58,10 @@ impl Rule for CalibrationLoop {
     }
 }
 
-/// Frames of files that are tied to each other through a description.
+/// Most frames of files between which transforms of a description are looked up.
 const MAX_FRAMES: usize = 32;
 
-/// Loops whose transforms several sources state: of files, and of what a description or TF says between their frames.
+/// Loops whose transforms come from several sources: files, and what a description or TF states between their frames.
 fn judge_across(world: &World, files: Vec<&Statement>, limits: &Limits, out: &mut Judge) {
     let is_named = |frame: &FrameId| frame.as_str().chars().count() > 1;
     let files: Vec<&Statement> = files
@@ -88,7 +88,7 @@ fn judge_across(world: &World, files: Vec<&Statement>, limits: &Limits, out: &mu
         let several = a.place.source != b.place.source || b.place.source != c.place.source;
         let of_files = [a, b, c].iter().filter(|one| one.is_of_a_file()).count();
         let fit = [(a, b), (b, c), (a, c)];
-        // With one of a file alone it is a pair that CROSS01 composes.
+        // With only one transform from a file it is a pair that CROSS01 judges against the composed chain.
         if several
             && of_files >= 2
             && fit
@@ -102,7 +102,7 @@ fn judge_across(world: &World, files: Vec<&Statement>, limits: &Limits, out: &mu
     }
 }
 
-/// Loops of one file that are judged; a file where every frame is tied to every other has as many with forty frames.
+/// Loops of one file that are judged; a file that connects each of forty frames to all others has as many.
 const MAX_LOOPS: usize = 10_000;
 
 /// The loops of three frames, and whether there are more of them; of several statements on one pair the first counts (the others
@@ -123,7 +123,7 @@ fn loops<'s>(statements: &[&'s Statement]) -> (Vec<Loop<'s>>, bool) {
     let of = |frame: &FrameId| beside.get(frame).map_or(&[][..], Vec::as_slice);
     let mut loops = Vec::new();
     for (&(a, b), ab) in edges.iter().filter(|((a, b), _)| a < b) {
-        // The frame with fewer neighbours is asked: one that all others are tied to would make this quadratic.
+        // Look through the shorter list of neighbours: a frame that all others are connected to would make this quadratic.
         let fewer = if of(a).len() < of(b).len() { of(a) } else { of(b) };
         for c in fewer.iter().copied().filter(|c| *c > b) {
             let (Some(bc), Some(ca)) = (edges.get(&(b, c)), edges.get(&(c, a))) else {
@@ -155,9 +155,9 @@ impl Loop<'_> {
         let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
         let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
         let measured = [
-            Measured::new("angle that is left", angle_deg, "deg").turn(),
-            Measured::new("distance that is left", distance_m, "m"),
-            Measured::new("of what three calibrations may leave", sigmas, "1").limit(limits.warn_sigmas),
+            Measured::new("residual angle", angle_deg, "deg").turn(),
+            Measured::new("residual distance", distance_m, "m"),
+            Measured::new("residual over that of three calibrations", sigmas, "1").limit(limits.warn_sigmas),
         ];
         if sigmas <= limits.warn_sigmas {
             return out.pass(subject, measured);
@@ -170,32 +170,22 @@ impl Loop<'_> {
                 Some((*statement, relation))
             })
             .collect();
-        let left = format!("{angle_deg:.2} deg and {distance_m:.3} m are left");
-        let (message, place, relation) = match culprits.as_slice() {
+        let message =
+            format!("`{a}`, `{b}` and `{c}` do not close a loop: residual {angle_deg:.2} deg and {distance_m:.3} m");
+        let (detail, place, relation) = match culprits.as_slice() {
             [(culprit, relation)] => (
-                format!(
-                    "`{a}`, `{b}` and `{c}` do not close a loop: {left}; it closes once {} is taken otherwise: {}",
-                    culprit.who,
-                    relation.describe()
-                ),
+                format!("The loop closes if one error in {} is corrected. {}", culprit.who, relation.describe()),
                 culprit.place.clone(),
                 Some(relation.word()),
             ),
+            [] => (String::new(), first.place.clone(), None),
             several => {
                 let named: Vec<String> = several
                     .iter()
                     .map(|(culprit, relation)| format!("{} ({})", culprit.who, relation.word()))
                     .collect();
-                let or = if named.is_empty() {
-                    String::new()
-                } else {
-                    format!("; it closes if one of these is wrong: {}", named.join(", "))
-                };
-                (
-                    format!("`{a}`, `{b}` and `{c}` do not close a loop: {left}{or}"),
-                    first.place.clone(),
-                    None,
-                )
+                let detail = format!("The loop closes if one of these is corrected: {}.", named.join(", "));
+                (detail, first.place.clone(), None)
             }
         };
         let finding = if sigmas > limits.error_sigmas {
@@ -206,11 +196,12 @@ impl Loop<'_> {
         let reading = self.edges.iter().map(|(_, statement)| statement.reading).min();
         let mut finding = finding
             .likely()
-            .help("of three transforms that were calibrated one by one one is wrong: calibrate it again, or calibrate all of them together");
+            .detail(detail)
+            .help("calibrate the three transforms together, or find the one that is wrong and calibrate it again");
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
         }
-        // That files mean one sensor by `lidar` is a guess; within one file it is none.
+        // That two files mean the same sensor by `lidar` is a guess; within one file it is certain.
         let first = first.place.source;
         let is_of_several = self.edges.iter().any(|(_, one)| one.place.source != first);
         if is_of_several && self.edges.iter().any(|(_, one)| one.is_guess()) {
@@ -219,7 +210,7 @@ impl Loop<'_> {
         if let Some(relation) = relation {
             finding = finding.relation(relation);
         }
-        // One that disagrees with another source on its own two frames opens the loop.
+        // A transform that contradicts another source on its own two frames opens the loop.
         finding = culprits
             .iter()
             .fold(finding, |finding, (culprit, _)| finding.unless_about(codes::CROSS02, culprit.who.clone()));

@@ -46,35 +46,32 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return out.not_applicable(subject, why);
     }
     if pair.alternatives {
-        let why =
-            "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
+        let why = "the same key in two files of a folder may be of two devices or two versions: only convention errors are reported";
         return out.not_applicable(subject, why);
     }
     let is_row = |one: &Statement| one.claim(world).is_some_and(Claim::is_row);
     if pair.reference.place.source == pair.other.place.source && is_row(&pair.reference) && is_row(&pair.other) {
-        let why = "rows of one table for one sensor: of several cars, or of several dates; only a named convention error is reported";
+        let why =
+            "rows of one table for one sensor may be of several cars or dates: only convention errors are reported";
         return out.not_applicable(subject, why);
     }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
-    let (severity, words, help) = if small {
+    let (severity, help) = if small {
         (
             Severity::Warning,
-            "slightly different transforms",
-            "if the sensor was calibrated again, update the older one; if not, find out which is measured and use it in both",
+            "use the newer calibration in both; if neither is newer, find out which one was measured",
         )
     } else {
         (
             Severity::Error,
-            "different transforms",
-            "find out which is measured, and use it in both",
+            "find out which of the two was measured, and use it in both",
         )
     };
-    let message = format!(
-        "two sources state {words} of `{}` from `{}`: they differ by {angle_deg:.2} deg and {distance_m:.3} m",
-        pair.reference.target, pair.reference.source_frame,
-    );
+    let [other, reference] = pair.names(world);
+    let message = format!("{other} differs from {reference} by {angle_deg:.2} deg and {distance_m:.3} m");
     let [rotation, translation] = measured;
     let finding = Finding::new(severity, subject, message, pair.other.place.clone())
+        .detail(pair.frames_stated())
         .help(help)
         .unless(codes::CROSS02)
         .unless(codes::QUAT03)

@@ -1,4 +1,4 @@
-//! CROSS04: a mounting that is told the wrong way round, by the motion on both of its sides.
+//! CROSS04: an inverted mounting transform, by the motions of lidar and body.
 
 use crate::analysis::cross::direction::{Limits, Reading, Seen, look};
 use crate::analysis::lidar::Clouds;
@@ -23,26 +23,27 @@ impl Rule for ExtrinsicDirection {
 
 fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("direction of the mounting");
-    let (told, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
+    let (published, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
     let measured = [
-        Measured::new("residual of the motions, as published", told, "m")
+        Measured::new("residual of the motions, as published", published, "m")
             .limit(limits.max_residual_m)
             .samples(seen.pairs as u64),
-        Measured::new("residual of the inverse", inverse, "m"),
+        Measured::new("residual of the motions, inverted", inverse, "m"),
     ];
     let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
     match seen.decided {
         Some(Reading::AsPublished) => out.pass(subject, measured),
         Some(Reading::Inverse) => {
-            let message = format!(
-                "`{name}` is told the wrong way round: its inverse brings the scans on `{}` and {} together to {inverse:.2} m, the transform as it is \
-                 to {told:.2} m",
-                clouds.topic.topic, seen.known.poses.0
-            );
+            let message =
+                format!("`{name}` is inverted: residual {published:.2} m as published, {inverse:.2} m with its inverse");
             let finding = Finding::error(subject, message, clouds.place())
                 .likely()
+                .detail(format!(
+                    "Compared the motion of the scans on `{}` with {} over both transforms.",
+                    clouds.topic.topic, seen.known.poses.0
+                ))
                 .relation("inverse")
-                .related(seen.known.poses.1.clone(), "where it went")
+                .related(seen.known.poses.1.clone(), "motion of the body")
                 .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`")
                 .prefers(
                     seen.known.body.to_string(),
@@ -52,12 +53,12 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
             out.fail(finding.measured(measured));
         }
         Some(_) => {
-            out.not_applicable(subject, format!("`{name}` fits the motion once it is turned by 180 deg about z"));
+            out.not_applicable(subject, format!("`{name}` matches the motion once it is rotated by 180 deg about z: see AXES12"));
         }
         None => {
             let why = format!(
-                "the motions are brought together to {told:.2} m by `{name}`, to {inverse:.2} m by its inverse, and to {:.2} and {:.2} m by both with \
-                 half a turn: that does not tell them apart",
+                "the residuals of the motions do not decide: {published:.2} m with `{name}`, {inverse:.2} m with its inverse, and {:.2} and {:.2} m with \
+                 both rotated by 180 deg about z; record a drive with more turns",
                 seen.of(Reading::Turned),
                 seen.of(Reading::InverseTurned)
             );

@@ -1,4 +1,4 @@
-//! CROSS02: a named convention error turns one source's transform into another's.
+//! CROSS02: two sources state one transform, and a known convention error explains the difference.
 
 use nalgebra::Isometry3;
 
@@ -65,12 +65,12 @@ fn judge_pair(
         Some(Relation::Equal) => out.pass(subject, difference),
         None => {
             let why = format!(
-                "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that"
+                "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no known convention error explains that"
             );
             out.not_applicable(subject, why);
         }
         Some(_) if pair.alternatives && !distinctive(pair, limits) => {
-            let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
+            let why = "the same key in two files of a folder, and rotations along the axes: may be two devices";
             out.too_little(subject, why);
         }
         Some(_) => {
@@ -82,15 +82,15 @@ fn judge_pair(
                 pair.reference.source_frame.to_string(),
             );
             let wants = if contradicts_itself(world, pair) {
-                " The name of its key and the frames beside it contradict each other: correct the one that is wrong."
+                ". Its key and the frames beside it contradict each other: correct the one that is wrong"
             } else {
                 publisher_wants(world, pair, relation)
             };
-            let finding = finding(pair, subject, (relation, wants), found, difference).unless(codes::QUAT03);
+            let finding = finding(world, pair, subject, (relation, wants), found, difference).unless(codes::QUAT03);
             let roles = if is_sure { Confidence::Likely } else { Confidence::Hint };
             let finding = pair.point_at_all_with(finding, roles);
             let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
-            let title = format!("state it without the error ({})", relation.word());
+            let title = format!("undo the error ({})", relation.word());
             let edits = corrected(world, pair, relation, found);
             out.fail(with_fix(finding, &title, Safety::ChangesBehaviour, edits));
         }
@@ -98,63 +98,54 @@ fn judge_pair(
 }
 
 fn finding(
+    world: &World,
     pair: &Pair,
     subject: String,
     (relation, wants): (Relation, &str),
     found: &Classification,
     difference: [Measured; 2],
 ) -> Finding {
-    let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
-    let message = format!(
-        "{} states `{}` from `{}` as {} does, but by another convention: {}{}{}",
-        pair.other.who,
-        pair.reference.target,
-        pair.reference.source_frame,
-        pair.reference.who,
-        relation.word(),
-        if also.is_empty() {
-            String::new()
-        } else {
-            format!(" (indistinguishable here: {})", also.join(", "))
-        },
-        if relation == Relation::Degrees && holds_radians_twice(pair) {
-            "; or else the other one holds radians that were converted once more"
-        } else {
-            ""
-        },
-    );
-    let help = format!(
-        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{wants}{}{}",
-        relation.describe(),
+    let [other, reference] = pair.names(world);
+    let message = format!("{other} {}", relation.relates_to(&reference));
+    let mut detail = format!(
+        "{} This error explains the difference to {:.2} deg and {:.3} m.",
+        pair.frames_stated(),
         found.residual_angle_rad.to_degrees(),
-        found.residual_m,
-        same_cause(relation),
-        if pair.is_by_role() {
-            format!(
-                " This takes {}, by what these programs call their sensors.",
-                pair.taken()
-            )
-        } else {
-            String::new()
-        },
+        found.residual_m
+    );
+    let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
+    if !also.is_empty() {
+        detail = format!("{detail} Indistinguishable here: {}.", also.join(", "));
+    }
+    if relation == Relation::Degrees && holds_radians_twice(pair) {
+        detail = format!("{detail} Or {reference} is wrong: its radians were converted once more.");
+    }
+    if pair.is_by_role() {
+        detail = format!("{detail} Assumes that {}, by the names that programs use for their sensors.", pair.taken());
+    }
+    let help = format!(
+        "find out which of the two is right, and use it in both{wants}. {}{}",
+        relation.describe(),
+        same_cause(relation)
     );
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
+        .detail(detail)
         .help(help)
         .relation(relation.word())
         .measured(rotation)
         .measured(translation)
         .measured(Measured::new(
-            "left by the relation",
+            "residual rotation",
             without_noise(found.residual_angle_rad.to_degrees()),
             "deg",
         ))
         .measured(Measured::new(
-            "left by the relation",
+            "residual translation",
             without_noise(found.residual_m),
             "m",
         ))
-        .measured(Measured::count("relations that fit alike", found.class.len()))
+        .measured(Measured::count("relations that fit", found.class.len()))
 }
 
 /// The rule that may report the same fault from one source alone.
@@ -165,14 +156,14 @@ fn same_cause(relation: Relation) -> String {
         Relation::RotationLost | Relation::Optical | Relation::OpticalInverse => (codes::NAME06, "the same frame"),
         _ => return String::new(),
     };
-    format!(" Where {rule} reports {what}, it is the same fault.")
+    format!(" If {rule} reports {what}, it is the same fault.")
 }
 
-/// What the way in which a statement is written leaves of the relations that fit alike, and what the digits do.
+/// The relations that still fit, given how the statement is written and how many digits it has.
 fn admitted(world: &World, pair: &Pair, found: &Classification, limits: &Limits) -> Classification {
     let mut found = found.clone();
     let claim = pair.other.claim(world);
-    // A launch file that has the edge the other way round has its two frames exchanged.
+    // In a launch file that has the edge inverted the two frames are exchanged.
     let is_swapped = pair.other.direction == Direction::TurnedRound && claim.is_some_and(Claim::is_published);
     let has_angles = claim.is_some_and(|claim| claim.rotation_literals.len() == 3);
     let residual = |relation: Relation| {
@@ -210,7 +201,7 @@ fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
     (rotation_angle_between(&a.rotation, &b.rotation), distance_m)
 }
 
-/// Whether the numbers of the statement are also read as another transform: a key says other than the frames beside it.
+/// Whether the numbers of the statement are also read as another transform: its key contradicts the frames beside it.
 fn contradicts_itself(world: &World, pair: &Pair) -> bool {
     let Some(own) = pair.other.claim(world) else {
         return false;
@@ -223,7 +214,7 @@ fn contradicts_itself(world: &World, pair: &Pair) -> bool {
     })
 }
 
-/// The edits that take the error out of the numbers that hold it: their own digits stay, for a calibration is finer than a drawing. `None`
+/// The edits that undo the error in the numbers that hold it. They keep their own digits: a calibration is finer than a drawing. `None`
 /// where more than one error explains the difference, where one of the two is a guess, or where the error can't be undone.
 fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classification) -> Option<Vec<Edit>> {
     let is_guess = pair.reading() < Confidence::Certain || contradicts_itself(world, pair);
@@ -246,7 +237,7 @@ fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classificat
     let claim = pair.other.claim(world)?;
     if pair.other.direction == Direction::TurnedRound {
         corrected = corrected.inverse();
-        // The tree that a launch file starts has the edge the other way round: its two frames are exchanged, the numbers are right.
+        // A launch file with the inverted edge: its two frames are exchanged, the numbers are right.
         if claim.is_published() && relation == Relation::Inverse {
             return swap_edits(world, claim.target_place.as_ref()?, claim.source_place.as_ref()?);
         }
@@ -264,12 +255,12 @@ fn is_undone_alike(pair: &Pair, relation: Relation, other: Relation) -> bool {
         })
 }
 
-/// What the program that publishes it wants, where that is what was missed.
+/// The order of arguments of the program that publishes it, where that order was not kept.
 fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static str {
     let wants = match relation {
-        Relation::Ypr => " static_transform_publisher reads x y z yaw pitch roll parent child.",
+        Relation::Ypr => ": static_transform_publisher reads x y z yaw pitch roll parent child",
         Relation::Inverse if pair.other.direction == Direction::TurnedRound => {
-            " static_transform_publisher reads the parent first, then the child: the two are exchanged."
+            ": static_transform_publisher reads the parent first, then the child; the two are exchanged"
         }
         _ => return "",
     };
@@ -280,13 +271,13 @@ fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static s
     }
 }
 
-/// Whether a rotation lies well off the axes, so that two devices would not be related by chance.
+/// Whether a rotation is well off the axes, so that two devices would not be related by chance.
 fn distinctive(pair: &Pair, limits: &Limits) -> bool {
     let pose = &pair.reference.pose;
     off_axes_deg(pose) >= limits.alternatives_turn_deg && pose.translation.vector.norm() > 0.05
 }
 
-/// What floating point leaves of nothing differs between machines: below a millionth it is nothing.
+/// Residuals of floating point differ between machines: below a millionth they are zero.
 fn without_noise(residual: f64) -> f64 {
     if residual < 1e-6 { 0.0 } else { residual }
 }

@@ -1,4 +1,4 @@
-//! CROSS07: what a calibration calls its sensors, and which frames of the platform these are by their transform.
+//! CROSS07: which frames of the robot a calibration means by its own names for sensors, by their transform.
 
 use std::collections::BTreeMap;
 
@@ -48,7 +48,7 @@ impl Rule for FrameAliases {
             else {
                 continue;
             };
-            // A key whose reading is a guess may as well mean the other direction.
+            // A key whose reading is a guess may also mean the other direction.
             let is_read = *roles || claim.reading > Confidence::Hint;
             let is_whole = claim.has_rotation && claim.has_translation && is_read;
             let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
@@ -72,7 +72,7 @@ impl Rule for FrameAliases {
             };
             let candidates = search.candidates(&one.stated, of_file);
             if search.is_spent() {
-                let why = "the platform has too many frames to try all pairs: `aliases:` in frames-lint.yaml says which are meant";
+                let why = "the robot has too many frames to try all pairs: name the frames with `aliases:` in frames-lint.yaml";
                 out.too_little(one.subject(world), why);
                 continue;
             }
@@ -96,7 +96,7 @@ impl Rule for FrameAliases {
 struct Asked<'w> {
     claim: &'w Claim,
     dialect: &'w str,
-    /// Whether the names are a program's words for its sensors.
+    /// Whether the names are a program's names for its sensors.
     roles: bool,
     stated: Stated<'w>,
 }
@@ -105,7 +105,7 @@ struct Asked<'w> {
 struct Suspicion {
     file: SourceId,
     relation: Relation,
-    /// Whether the numbers alone tell.
+    /// Whether the numbers alone show it.
     is_exact: bool,
     finding: Finding,
 }
@@ -140,12 +140,12 @@ fn judge_claim(
     let subject = one.subject(world);
     let (target, source) = (stated.target, stated.source);
     if candidates.is_empty() {
-        out.missing(subject, "no frames of the platform have names of these kinds and a rigid transform between them");
+        out.missing(subject, "no two frames of the robot have such names and a rigid transform between them: name them with `aliases:` in frames-lint.yaml");
         return None;
     }
     if candidates.len() as f64 > limits.max_pairs {
         let why = format!(
-            "{} pairs of frames may be meant: `aliases:` in frames-lint.yaml says which",
+            "{} pairs of frames may be meant: name the frames with `aliases:` in frames-lint.yaml",
             candidates.len()
         );
         out.too_little(subject, why);
@@ -187,13 +187,13 @@ fn judge_claim(
                     out.too_little(subject, match candidates {
                         [only] => {
                             format!(
-                                "`{}` from `{}` differs by {:.2} deg and {:.3} m, and no convention error explains that: other frames may \
-                                 be meant",
+                                "`{}` from `{}` differs by {:.2} deg and {:.3} m, and no known convention error explains that: name the \
+                                 frames with `aliases:` in frames-lint.yaml if others are meant",
                                 only.target, only.source, only.off_deg, only.off_m
                             )
                         }
                         several => format!(
-                            "{} pairs of frames may be meant, and none has this transform: `aliases:` in frames-lint.yaml says which",
+                            "{} pairs of frames may be meant, and none has this transform: name the frames with `aliases:` in frames-lint.yaml",
                             several.len()
                         ),
                     });
@@ -210,16 +210,16 @@ fn judge_claim(
             });
         }
         ([_], _) => {
-            out.too_little(subject, "it is an identity, about: all who did not calibrate share that");
+            out.too_little(subject, "it is nearly an identity, as in any file that was not calibrated");
         }
         _ => {
-            out.too_little(subject, "several frames of the platform fit alike");
+            out.too_little(subject, "several pairs of frames have this transform: name the frames with `aliases:` in frames-lint.yaml");
         }
     }
     None
 }
 
-/// The lines that confirm what two names stand for.
+/// The aliases that confirm the meaning of two names.
 fn aliases((target, source): (&FrameId, &FrameId), candidate: &Candidate<'_>) -> String {
     let of = |frame: &FrameId, name: &FrameId| (frame != name).then(|| format!("{frame}: [{name}]"));
     let parts = [of(candidate.target, target), of(candidate.source, source)];
@@ -235,20 +235,19 @@ fn proposal(
     candidate: &Candidate<'_>,
 ) -> Finding {
     let message = format!(
-        "what {} ({dialect}) calls `{}` and `{}` are `{}` and `{}` by their transform",
-        world.path(claim.place.source),
-        names.0,
-        names.1,
-        candidate.target,
-        candidate.source
+        "`{}` and `{}` ({dialect}) are probably `{}` and `{}`",
+        names.0, names.1, candidate.target, candidate.source
     );
-    Finding::note(subject, message, claim.place.clone()).hint().help(format!(
-        "confirm it in frames-lint.yaml, and the file is held against the others with full confidence: aliases: {{{}}}",
-        aliases(names, candidate)
-    ))
+    Finding::note(subject, message, claim.place.clone())
+        .hint()
+        .detail(format!("Their transform in {} is that of the robot.", world.path(claim.place.source)))
+        .help(format!(
+            "confirm it in frames-lint.yaml: aliases: {{{}}}. Then the file is compared with the others at full confidence",
+            aliases(names, candidate)
+        ))
 }
 
-/// The same rotation or the same translation, to the last digits, beside another half: of other frames that is chance.
+/// Rotation or translation is equal to the last digits, the other part is not: hardly a coincidence between other frames.
 fn half_equal(
     world: &World,
     claim: &Claim,
@@ -258,18 +257,22 @@ fn half_equal(
 ) -> Finding {
     let Candidate { target, source, .. } = candidate;
     let message = format!(
-        "`{}` and `{}` of {}, taken for `{target}` and `{source}`, differ by {:.2} deg and {:.3} m from the platform's",
-        names.0,
-        names.1,
-        world.path(claim.place.source),
-        candidate.off_deg,
-        candidate.off_m
+        "`{}` is {:.2} deg and {:.3} m off `{target}` from `{source}` of the robot",
+        claim.label, candidate.off_deg, candidate.off_m
     );
-    Finding::warning(subject, message, claim.place.clone()).hint().help(format!(
-        "if these are the frames, say so in frames-lint.yaml, and it is more than a hint: \
-         transforms: [{{key: '{}', is: {target} from {source}}}]",
-        claim.label
-    ))
+    Finding::warning(subject, message, claim.place.clone())
+        .hint()
+        .detail(format!(
+            "Assumes that `{}` and `{}` of {} are `{target}` and `{source}`.",
+            names.0,
+            names.1,
+            world.path(claim.place.source)
+        ))
+        .help(format!(
+            "if these are the frames, confirm them in frames-lint.yaml: transforms: [{{key: '{}', is: {target} from {source}}}], and correct \
+             the part that differs",
+            claim.label
+        ))
 }
 
 fn suspicion(
@@ -280,21 +283,22 @@ fn suspicion(
     names: (&FrameId, &FrameId),
     candidate: &Candidate<'_>,
 ) -> Finding {
-    let message = format!(
-        "`{}` and `{}` of {} taken for `{}` and `{}`: the file holds their transform by another convention: {}",
-        names.0,
-        names.1,
-        world.path(claim.place.source),
-        candidate.target,
-        candidate.source,
-        relation.word()
-    );
+    let right = format!("`{}` from `{}` of the robot", candidate.target, candidate.source);
+    let message = format!("`{}` {}", claim.label, relation.relates_to(&right));
     Finding::error(subject, message, claim.place.clone())
         .likely()
         .relation(relation.word())
+        .detail(format!(
+            "Assumes that `{}` and `{}` of {} are `{}` and `{}`. {}",
+            names.0,
+            names.1,
+            world.path(claim.place.source),
+            candidate.target,
+            candidate.source,
+            relation.describe()
+        ))
         .help(format!(
-            "{} If these are the frames, say so in frames-lint.yaml (aliases: {{{}}}), and their transforms are compared",
-            relation.describe(),
+            "correct the convention in the file. If the names are right, confirm them in frames-lint.yaml: aliases: {{{}}}",
             aliases(names, candidate)
         ))
 }

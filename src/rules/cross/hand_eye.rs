@@ -1,4 +1,4 @@
-//! CROSS05: a mounting against the one that the motions of lidar and platform determine.
+//! CROSS05: a mounting transform compared with the one that the motions of lidar and body determine.
 
 use crate::analysis::cross::hand_eye::{Limits, at_place, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
@@ -30,8 +30,8 @@ impl Rule for HandEyeCalibration {
 
 fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("place of the mounting");
-    let told = known.told.translation.vector.xy();
-    let off = found.place - told;
+    let published = known.told.translation.vector.xy();
+    let off = found.place - published;
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
     let (yaw_deg, sigma_deg, sigma_m) = (
         found.yaw_rad.to_degrees(),
@@ -44,7 +44,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
             .limit(limits.max_yaw_deg)
             .spread(sigma_deg)
             .samples(found.pairs as u64),
-        Measured::new("distance of its place from where it is told", off.norm(), "m")
+        Measured::new("position error of the mounting", off.norm(), "m")
             .limit(limits.max_place_m)
             .spread(sigma_m),
     ];
@@ -57,7 +57,8 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
             return out.pass(subject, measured);
         }
         let why = format!(
-            "the mounting is off by {:.1} deg and {:.2} m, give or take {sigma_deg:.1} deg and {sigma_m:.2} m: that says neither",
+            "the mounting is off by {:.1} deg and {:.2} m with standard errors of {sigma_deg:.1} deg and {sigma_m:.2} m: not accurate \
+             enough to decide; record a drive with more turns",
             yaw_deg.abs(),
             off.norm()
         );
@@ -68,34 +69,36 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         (true, false) => format!("lacks a yaw of {yaw_deg:+.1} deg"),
         _ => format!("is {:.2} m off", off.norm()),
     };
-    let message = format!(
-        "`{}_from_{}` {what}: by the scans on `{}` and {} the lidar is at x {:.2}, y {:.2} m, where {:.2}, {:.2} is told",
-        known.body, known.lidar, clouds.topic.topic, known.poses.0, found.place.x, found.place.y, told.x, told.y
+    let message = format!("`{}_from_{}` {what}", known.body, known.lidar);
+    let detail = format!(
+        "The motions of the scans on `{}` and of {} put the lidar at x = {:.2} m, y = {:.2} m; the transform states {:.2} m, {:.2} m.",
+        clouds.topic.topic, known.poses.0, found.place.x, found.place.y, published.x, published.y
     );
     let inverse = known.told.inverse();
     let is_inverse = in_plane(&(inverse * inverse)).rotation.angle().to_degrees().abs() <= limits.forward_deg
         && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
-    let (relation, message) = if turned && !moved {
+    let (relation, detail) = if turned && !moved {
         let quarters = [("z90", 90.0), ("z-90", -90.0), ("z180", 180.0), ("z180", -180.0)];
         let is_near = |deg: f64| (yaw_deg - deg).abs() <= limits.forward_deg.max(limits.sigmas * sigma_deg);
         let quarter = quarters.into_iter().find(|(_, deg)| is_near(*deg));
-        (quarter.map_or("yaw", |(word, _)| word), message)
+        (quarter.map_or("yaw", |(word, _)| word), detail)
     } else if is_inverse {
         (
             "inverse",
-            format!("{message}: that is where its inverse has it, as if it were told the wrong way round"),
+            format!("{detail} The inverse of the transform has it there: it is probably inverted."),
         )
     } else {
-        ("moved", message)
+        ("moved", detail)
     };
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation(relation)
-        .related(known.poses.1.clone(), "where it went")
-        .help("calibrate it anew; what moves in a plane does not determine roll, pitch and height")
+        .detail(detail)
+        .related(known.poses.1.clone(), "motion of the body")
+        .help("calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
         .prefers(known.body.to_string(), known.lidar.to_string(), at_place(known, found))
         .unless(codes::TIME07);
-    // A mounting that is turned so far is better said by where its x axis points.
+    // AXES12 reports a large rotation better: by the direction of the x axis.
     let finding = if yaw_deg.abs() > limits.forward_deg {
         finding.unless(codes::AXES12).unless(codes::CROSS04)
     } else {

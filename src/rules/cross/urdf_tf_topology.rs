@@ -1,4 +1,4 @@
-//! CROSS06: the recording's tree hangs together otherwise than the URDF says.
+//! CROSS06: the TF tree of a recording contradicts the URDF.
 
 use std::collections::BTreeMap;
 
@@ -48,7 +48,7 @@ fn judge_bag(
         .collect();
     if shared.is_empty() {
         return out.missing(
-            subject, "no child frame of TF is a link of this robot",
+            subject, "no child frame of TF is a link of this robot: give the description that the recording was made with",
         );
     }
     let mut differing = 0;
@@ -78,19 +78,17 @@ fn parent_differs(bag: &BagEvidence, edge: &TfEdge, joint: &Joint) -> Option<Fin
     if FrameId::new(&stated.value).canonical() == parent {
         return None;
     }
-    let message = format!(
-        "TF hangs `{}` under `{parent}`, the URDF under `{}`: with both published, tf2 answers with whichever came last",
-        edge.child, stated.value,
-    );
+    let message = format!("the parent of `{}` is `{parent}` in TF, but `{}` in the URDF", edge.child, stated.value);
     Some(
         Finding::warning(
             format!("frame `{}`", edge.child),
             message,
             Place::message(bag.source, edge.first_at.clone()),
         )
+        .detail("With both published, tf2 uses the parent that came last.")
         .label(format!("parent `{parent}` on `{}`", edge.topic))
         .related(stated.place.clone(), format!("parent of joint `{}`", joint.name.value))
-        .help("let one source publish the frame, and bring the other in line with it")
+        .help("publish the frame from one source only, and correct the other")
         .measured(Measured::count("parents stated", 2).limit(1.0)),
     )
 }
@@ -102,7 +100,7 @@ fn fixed_moves(bag: &BagEvidence, edge: &TfEdge, joint: &Joint, limits: &Limits)
         return None;
     }
     let message = format!(
-        "joint `{}` is fixed in the URDF, but `{}` moves on `{}`: by up to {angle_deg:.2} deg and {distance_m:.3} m",
+        "joint `{}` is fixed, but `{}` moves on `{}` by up to {angle_deg:.2} deg, {distance_m:.3} m",
         joint.name.value, edge.child, edge.topic,
     );
     Some(
@@ -116,7 +114,7 @@ fn fixed_moves(bag: &BagEvidence, edge: &TfEdge, joint: &Joint, limits: &Limits)
             joint.kind.place.clone(),
             format!("joint `{}` is fixed here", joint.name.value),
         )
-        .help("give the joint its real type, or stop whoever moves a frame that is bolted on")
+        .help("give the joint its real type in the URDF, or stop the node that publishes a moving transform")
         .measured(
             Measured::new("rotation", angle_deg, "deg")
                 .limit(limits.moves_deg)

@@ -1,4 +1,4 @@
-//! GATE03: a comment to frames-lint that says nothing which it understands.
+//! GATE03: a comment to frames-lint that has no effect.
 
 use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
@@ -17,11 +17,11 @@ impl OfPolicy for CommentNotUnderstood {
         }
         for comment in misspelt {
             let subject = format!("comment `frames-lint: {}`", comment.text);
-            let message = format!("a comment to frames-lint has no effect: {}", comment.fault);
+            let message = format!("a `frames-lint:` comment has no effect: {}", comment.fault);
             out.fail(
                 Finding::warning(subject, message, comment.place.clone())
                     .help(
-                        "Write `frames-lint: allow RULE reason`, or `frames-lint: allow RULE until 2027-01-31 reason`.",
+                        "write `frames-lint: allow RULE reason`, or `frames-lint: allow RULE until 2027-01-31 reason`",
                     )
                     .measured(Measured::count("faults of the comment", 1).limit(0.0)),
             );

@@ -1,4 +1,4 @@
-//! GATE02: an acceptance that has run out.
+//! GATE02: an acceptance that has expired.
 
 use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt};
@@ -20,14 +20,14 @@ impl OfPolicy for ExpiredWaiver {
                 continue;
             }
             let message = format!(
-                "{} held until {}: what it accepted counts again",
+                "{} expired after {}: its findings count again",
                 crate::advice::waiver::opening(waiver),
                 until.as_str()
             );
             out.fail(
                 Finding::warning(subject, message, waiver.place.clone())
                     .label(format!("reason: {}", waiver.reason))
-                    .help("Fix what it accepted, or accept it anew with a later day and a reason that still holds.")
+                    .help("fix what it accepted, or write a later day and a reason that is still valid")
                     .measured(past),
             );
         }

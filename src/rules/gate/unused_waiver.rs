@@ -1,4 +1,4 @@
-//! GATE01: an acceptance that is for nothing.
+//! GATE01: an acceptance that matches no finding.
 
 use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt};
@@ -12,22 +12,21 @@ impl OfPolicy for UnusedWaiver {
         for one in applied {
             let waiver = &one.waiver;
             let subject = crate::advice::waiver::subject(waiver);
-            let matched = Measured::count("findings that it is for", one.matched).limit(1.0);
+            let matched = Measured::count("matching findings", one.matched).limit(1.0);
             if one.matched > 0 {
                 out.pass(subject, [matched]);
             } else if let Some(why) = &one.unjudged {
                 out.too_little(subject, why);
             } else {
                 let message = format!(
-                    "{} accepts nothing that was found",
+                    "{} matches no finding",
                     crate::advice::waiver::opening(waiver)
                 );
                 out.fail(
                     Finding::warning(subject, message, waiver.place.clone())
                         .label(format!("reason: {}", waiver.reason))
                         .help(
-                            "What it accepted is fixed, or is called otherwise now: take it out, or it will hide the next fault of this \
-                             kind.",
+                            "remove it: what it accepted is fixed or renamed, and it would hide the next fault of this kind",
                         )
                         .measured(matched),
                 );

@@ -1,4 +1,4 @@
-//! GEO06: heights above mean sea level that are given as heights above the ellipsoid.
+//! GEO06: heights above mean sea level that are published as heights above the ellipsoid.
 
 use crate::analysis::geo::heights::{Apart, Datum, Heights, Limits};
 use crate::analysis::motion::Motion;
@@ -6,10 +6,10 @@ use crate::rules::prelude::*;
 
 pub(crate) struct AltitudeDatum;
 
-/// How two heights stand to each other.
+/// How two heights differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Relation {
-    /// They are one.
+    /// They agree.
     Same,
     /// The first lacks the undulation.
     FirstAtSea,
@@ -40,15 +40,17 @@ impl Rule for AltitudeDatum {
 fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &mut Judge) {
     let subject = format!("altitude of {}", heights.subject);
     if others.is_empty() {
-        return out.missing(subject, "nothing else in the recording tells a height");
+        let why =
+            "the recording has no other height: record GGA sentences, another receiver, or poses with `earth` -> `map`";
+        return out.missing(subject, why);
     }
     let Some(undulation_m) = heights.undulation_m() else {
-        let why = "the position is none on Earth";
+        let why = "latitude and longitude are out of range";
         return out.not_evaluated(subject, NotEvaluated::InputBroken, why);
     };
     if undulation_m.abs() < limits.min_undulation_m {
         let why = format!(
-            "mean sea level lies {undulation_m:.1} m above the ellipsoid here, {} m are needed to tell them apart",
+            "the geoid undulation is {undulation_m:.1} m here; {} m are needed to distinguish mean sea level from the ellipsoid",
             limits.min_undulation_m
         );
         return out.too_little(subject, why);
@@ -56,23 +58,23 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
     let mut undecided = Vec::new();
     for other in others {
         let Some(apart) = heights.above(other).filter(|apart| apart.samples >= limits.min_samples) else {
-            undecided.push(format!("{} tells too few heights at the same times", other.subject));
+            undecided.push(format!("{} has too few heights at the same times", other.subject));
             continue;
         };
         let needed_m = limits.needed_m(heights, other, apart);
         if undulation_m.abs() < needed_m {
             undecided.push(format!(
-                "mean sea level lies {undulation_m:.1} m above the ellipsoid here, {needed_m:.1} m are needed to tell them apart by {}",
+                "the geoid undulation is {undulation_m:.1} m here; {needed_m:.1} m are needed to distinguish mean sea level from the ellipsoid by {}",
                 other.subject
             ));
             continue;
         }
         let measured = [
-            Measured::new("height above the other", apart.median_m, "m")
+            Measured::new("height minus the other height", apart.median_m, "m")
                 .spread(apart.spread_m)
                 .limit(limits.max_off_m)
                 .samples(apart.samples as u64),
-            Measured::new("geoid above the ellipsoid (EGM96)", undulation_m, "m"),
+            Measured::new("geoid undulation (EGM96)", undulation_m, "m"),
         ];
         match (relation(apart, undulation_m, limits), other.datum) {
             (Relation::FirstAtSea, _) => {
@@ -89,12 +91,12 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
                 return out.pass(subject, measured);
             }
             (Relation::Same, _) => undecided.push(format!(
-                "it agrees with {}, of which nothing says what it is counted from",
+                "it agrees with {}, whose height reference is unknown",
                 other.subject
             )),
             _ => undecided.push(format!(
-                "it is {:+.1} m (+-{:.1}) from {}, and mean sea level {undulation_m:+.1} m from the ellipsoid",
-                apart.median_m, apart.spread_m, other.subject
+                "it differs from {} by {:+.1} m (+-{:.1}), where the geoid undulation is {undulation_m:+.1} m",
+                other.subject, apart.median_m, apart.spread_m
             )),
         }
     }
@@ -125,19 +127,21 @@ fn negated(apart: Apart) -> Apart {
 /// The heights of `low` lack the undulation that those of `sound` have.
 fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: Apart, undulation_m: f64) -> Finding {
     let below = if apart.median_m < 0.0 { "below" } else { "above" };
-    let (what, help) = if low.datum == Datum::Map {
+    let (what, detail, help) = if low.datum == Datum::Map {
         (
-            "the origin of the map was set with a height above mean sea level, where `earth` is about the ellipsoid",
-            format!("add the geoid's {undulation_m:.2} m to the height of the origin that `earth` -> `map` is made of"),
+            "the map origin's height is above mean sea level",
+            "The difference matches the geoid undulation. `earth` is defined by the ellipsoid, so the origin needs a height above it.",
+            format!("add the geoid undulation ({undulation_m:.2} m) to the origin's height in `earth` -> `map`"),
         )
     } else {
         (
-            "a height above mean sea level is given as one above the ellipsoid",
+            "altitude is above mean sea level, not above the ellipsoid",
+            "The difference matches the geoid undulation. `NavSatFix` defines altitude above the WGS 84 ellipsoid.",
             format!("publish `altitude = height above mean sea level + geoid separation` ({undulation_m:+.2} m here)"),
         )
     };
     let message = format!(
-        "the height of `{}` is {:.2} m {below} that of `{}`; the geoid is {undulation_m:.2} m from the ellipsoid here: {what}",
+        "`{}`: {what} ({:.2} m {below} `{}`)",
         low.topic,
         apart.median_m.abs(),
         sound.topic
@@ -145,6 +149,7 @@ fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: Apart, undulatio
     Finding::warning(subject, message, low.place.clone())
         .likely()
         .relation("msl-as-ellipsoidal")
-        .related(sound.place.clone(), "the other height")
+        .detail(detail)
+        .related(sound.place.clone(), "the height compared with")
         .help(help)
 }

@@ -1,4 +1,4 @@
-//! GEO03: positions that are not the kind of coordinates that their frame has.
+//! GEO03: positions in another kind of coordinates than their frame has.
 
 mod kinds;
 
@@ -31,7 +31,10 @@ type Columns = std::collections::BTreeMap<FrameId, Vec<Column>>;
 
 fn judge_all(world: &World, all: Columns, limits: &Limits, out: &mut Judge) {
     if all.is_empty() && !world.bags.is_empty() {
-        out.missing("positions", "no pose, transform or file tells a position in a frame of the world, but for zeros");
+        out.missing(
+            "positions",
+            "no pose, transform or file has a non-zero position in a world frame (`map`, `odom`, `earth`, ...)",
+        );
     }
     for (frame, columns) in all {
         judge_frame(&frame, &columns, limits, out);
@@ -62,7 +65,7 @@ fn judge_frame(frame: &FrameId, columns: &[Column], limits: &Limits, out: &mut J
     }
     if let Some(far) = columns.iter().find(|column| column.kind == Kind::Far).filter(|_| sound) {
         let why = format!(
-            "positions on {} lie {:.0} km from the origin of `{frame}`: neither local, nor on the UTM grid, nor on the Earth",
+            "positions on {} are {:.0} km from the origin of `{frame}`: neither local, nor UTM, nor Earth-centred",
             far.subject,
             far.middle.norm() / 1e3
         );

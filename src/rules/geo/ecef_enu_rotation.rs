@@ -22,12 +22,12 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
     let subject = stated.subject.as_str();
     let (earth, local) = (&stated.earth, &stated.local);
     if !stated.is_local() {
-        let why = format!("`{local}` is no frame that stands still on the Earth, by its name: it need not be level");
+        let why = format!("`{local}` is not fixed to the Earth by its name, so it need not be level");
         return out.not_applicable(subject, why);
     }
     if stated.has != (true, true) {
         let part = if stated.has.0 { "position" } else { "rotation" };
-        let why = format!("it states no {part}: both are needed, the position to know what the rotation should be");
+        let why = format!("it states no {part}: both are needed, since the position determines the correct rotation");
         return out.missing(subject, why);
     }
     let seen = stated
@@ -38,18 +38,18 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
         let first = stated.poses.first();
         let far = first.map_or(f64::NAN, |(_, pose)| pose.translation.vector.norm());
         let why = format!(
-            "the origin of `{local}` lies {:.0} km from that of `{earth}`, and not on the ellipsoid: `{earth}` is not the Earth's \
-             frame here (its surface is 6357 to 6378 km away)",
+            "the origin of `{local}` is {:.0} km from that of `{earth}`, not near the ellipsoid (6357 to 6378 km): `{earth}` is not \
+             the Earth's frame here",
             far / 1e3
         );
         return out.not_applicable(subject, why);
     };
     let excused = stated.rounding_rad.to_degrees();
     let measured = [
-        Measured::new("tilt against east, north, up", worst.tilt_deg, "deg")
+        Measured::new("tilt from east, north, up", worst.tilt_deg, "deg")
             .turn()
             .limit(limits.warning_deg.max(excused)),
-        Measured::new("turn about up", worst.yaw_deg, "deg").turn(),
+        Measured::new("rotation about up", worst.yaw_deg, "deg").turn(),
     ];
     if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
         return out.pass(subject, measured);
@@ -73,29 +73,38 @@ fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
     let (relation, because) = match errors.first() {
         _ if seen.is_inverse => (
             Some("inverse"),
-            format!("it is the inverse: `{local}` and `{earth}` are changed"),
+            format!("the transform is inverted: `{local}` and `{earth}` are exchanged"),
         ),
         Some(EarthTurn::Ned) if is_ned => (Some("ned-enu"), "the axes are east, north, up".to_owned()),
         Some(error) => (Some(error.word()), error.describe().to_owned()),
-        None => (None, "no known mistake explains it".to_owned()),
+        None => (None, "not level; no known error explains it".to_owned()),
     };
     let others: Vec<&str> = errors.iter().skip(1).map(|error| error.word()).collect();
     let class = if others.is_empty() {
         String::new()
     } else {
-        format!(" (indistinguishable here: {})", others.join(", "))
+        format!(" Indistinguishable here: {}.", others.join(", "))
     };
-    let axes = if is_ned { "north, east, down" } else { "east, north, up" };
-    let message = if seen.is_inverse {
-        format!(
-            "{}: {because}; its origin would lie under the south pole",
-            stated.subject
+    let (axes, short) = if is_ned {
+        ("north, east, down", "NED")
+    } else {
+        ("east, north, up", "ENU")
+    };
+    let (message, detail) = if seen.is_inverse {
+        (
+            format!("{}: {because}", stated.subject),
+            format!("As stated, the origin of `{local}` would be under the south pole."),
         )
     } else {
-        format!(
-            "{}: at its origin, latitude {latitude:.5}, longitude {longitude:.5}, `{local}` is tilted by {:.2} deg against {axes}: \
-             {because}{class}",
-            stated.subject, seen.tilt_deg
+        (
+            format!(
+                "{}: {because} (tilt {:.2} deg from {short})",
+                stated.subject, seen.tilt_deg
+            ),
+            format!(
+                "The origin is at latitude {latitude:.5}, longitude {longitude:.5}; 1 km from it, the tilt is {:.1} m of height.{class}",
+                1e3 * seen.tilt_deg.to_radians().sin()
+            ),
         )
     };
     let severity = if seen.tilt_deg > limits.error_deg || seen.is_inverse {
@@ -104,13 +113,18 @@ fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
         Severity::Warning
     };
     let [x, y, z, w] = expected(&seen.origin, is_ned);
+    let verb = if seen.is_inverse {
+        "invert the transform"
+    } else {
+        "correct the rotation"
+    };
     let help = format!(
-        "the rotation of `{earth}_from_{local}` with the axes {axes} is, as x y z w: [{x:.9}, {y:.9}, {z:.9}, {w:.9}]; \
-         at 1 km from the origin the tilt is {:.1} m of height",
-        1e3 * seen.tilt_deg.to_radians().sin()
+        "{verb}: `{earth}_from_{local}` with the axes {axes} has the quaternion x y z w = [{x:.9}, {y:.9}, {z:.9}, {w:.9}]"
     );
-    let mut finding = Finding::new(severity, &stated.subject, message, seen.place.clone()).help(help);
-    // What no mistake explains may have been measured, by a map that leans.
+    let mut finding = Finding::new(severity, &stated.subject, message, seen.place.clone())
+        .detail(detail)
+        .help(help);
+    // A tilt that no error explains may have been measured: the map itself is tilted.
     finding = if relation.is_some() { finding } else { finding.likely() };
     if let Some(word) = relation {
         finding = finding.relation(word);

@@ -1,4 +1,4 @@
-//! GEO04: a map that is turned and scaled as the UTM grid is.
+//! GEO04: a map that is rotated and scaled like the UTM grid.
 
 use crate::analysis::geo::grid::{Grid, Laid};
 use crate::analysis::geo::overlay::{Overlay, is_way};
@@ -10,7 +10,7 @@ use crate::world::{EarthOrigin, FrameId, World};
 
 pub(crate) struct GridConvergenceScale;
 
-/// Words of frames that say that they are a grid.
+/// Words in names of frames that are a grid.
 const GRIDS: &[&str] = &["utm", "mgrs", "grid"];
 
 /// Projections of Autoware's `map_projector_info` that are this grid.
@@ -52,26 +52,29 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     let subject = format!("{} against {}", poses.subject, fixes.subject);
     let too_little = NotEvaluated::TooLittleEvidence;
     let Some(overlay) = Overlay::of(world, poses, fixes) else {
-        return out.not_evaluated(subject, too_little, "the two have no time in common");
+        return out.not_evaluated(subject, too_little, "poses and fixes do not overlap in time");
     };
     let (points, extent_m) = (overlay.both.len(), overlay.extent_m());
     if points < limits.min_points || extent_m < limits.min_extent_m {
         let why = format!(
-            "{points} fixes over {extent_m:.0} m lie beside poses; {} over {:.0} m are needed to tell a grid's turn and scale",
+            "{points} fixes over {extent_m:.0} m have poses at the same time; {} over {:.0} m are needed to measure rotation and scale",
             limits.min_points, limits.min_extent_m
         );
         return out.not_evaluated(subject, too_little, why);
     }
     if overlay.fit(limits.follow_scale, limits.follow_share).is_none() {
-        let why = "the poses do not follow the fixes: no turn takes one way to the other";
+        let why = "the poses do not follow the fixes: no rotation, scale and shift takes one track to the other";
         return out.not_evaluated(subject, too_little, why);
     }
     let Some(laid) = Laid::of(&overlay, limits.blocks) else {
-        return out.not_applicable(subject, "the place is in no zone of UTM, or the poses stand still");
+        return out.not_applicable(
+            subject,
+            "the place is outside of the UTM zones, or the platform does not move",
+        );
     };
     let receiver = overlay.receiver_deviation(limits.errors_last_s, limits.untold_m);
     let sigmas = |angle_rad: f64, scale: f64| (limits.sigmas * angle_rad.to_degrees(), limits.sigmas * scale);
-    // What a grid is told by is the scatter; that it is none, must hold for all that the receiver's errors may do.
+    // A grid is recognised by the scatter alone; that it is none must hold for all errors that the receiver may have.
     let narrow = sigmas(laid.deviations.0, laid.deviations.1);
     let (angle_deg, scale) = sigmas(laid.deviations.0.hypot(receiver), laid.deviations.1.hypot(receiver));
     let fits = |grid: &Grid, (angle_deg, scale): (f64, f64)| {
@@ -86,8 +89,8 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     let found = laid.grids.iter().find(|grid| fits(grid, narrow)).filter(|_| is_sure);
     let Some(grid) = found else {
         let why = format!(
-            "laid over the fixes the poses are turned by {:.2} +- {angle_deg:.2} deg and scaled by {:.5} +- {scale:.5}: that does not \
-             tell east, north from the grid of UTM (both uncertainties must be within {} deg and {})",
+            "the poses are rotated by {:.2} +- {angle_deg:.2} deg and scaled by {:.5} +- {scale:.5} from the fixes: too uncertain to \
+             distinguish ENU from the UTM grid (within {} deg and {} is needed)",
             laid.fit.angle_rad.to_degrees(),
             laid.fit.scale,
             limits.max_angle_deg,
@@ -98,8 +101,8 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     let convergence_deg = grid.fit.angle_rad.to_degrees();
     if convergence_deg.abs() < limits.min_convergence_deg {
         let why = format!(
-            "grid north is {convergence_deg:.2} deg off true north here, near the middle of zone {}: at least {} deg are needed to \
-             tell them apart",
+            "grid north is {convergence_deg:.2} deg from true north here, near the middle of zone {}; at least {} deg are needed to \
+             distinguish them",
             grid.zone, limits.min_convergence_deg
         );
         return out.not_evaluated(subject, too_little, why);
@@ -117,7 +120,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     out.fail(finding.measured(measured));
 }
 
-/// Whether the frame says that it is a grid, by its name or by its coordinates.
+/// Whether the frame is a grid by its name or by its coordinates.
 fn is_meant(frame: Option<&FrameId>, grid: &Grid, limits: &Limits) -> bool {
     frame.is_some_and(|frame| names::has_word(frame, GRIDS))
         || grid.off_m <= limits.on_grid_m
@@ -126,21 +129,21 @@ fn is_meant(frame: Option<&FrameId>, grid: &Grid, limits: &Limits) -> bool {
 
 fn measured(laid: &Laid, points: u64, limits: &Limits) -> Vec<Measured> {
     let mut all = vec![
-        Measured::new("turn against east, north", laid.fit.angle_rad.to_degrees(), "deg")
+        Measured::new("rotation from east, north", laid.fit.angle_rad.to_degrees(), "deg")
             .spread(laid.deviations.0.to_degrees())
             .samples(points),
-        Measured::new("scale against east, north", laid.fit.scale, "1")
+        Measured::new("scale from east, north", laid.fit.scale, "1")
             .spread(laid.deviations.1)
             .samples(points),
     ];
     if let Some(grid) = laid.grids.first() {
         let (angle, scale) = laid.beside(grid);
         all.push(
-            Measured::new("turn against the UTM grid", angle.to_degrees(), "deg")
+            Measured::new("rotation from the UTM grid", angle.to_degrees(), "deg")
                 .turn()
                 .limit(limits.max_angle_deg),
         );
-        all.push(Measured::new("scale against the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
+        all.push(Measured::new("scale from the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
     }
     all
 }
@@ -157,26 +160,28 @@ fn finding(
     let (from, to) = overlay.span_s();
     let (angle, of_grid) = (laid.fit.angle_rad.to_degrees(), grid.fit.angle_rad.to_degrees());
     let message = format!(
-        "`{frame}` is the grid of UTM zone {}, and not east, north: from {from:.0} to {to:.0} s {} is turned by {angle:.3} +- {:.3} deg \
-         and scaled by {:.5} +- {:.5} against the fixes on {}; the grid is by {of_grid:.3} deg and {:.5}, east, north by 0 and 1",
-        grid.zone,
-        poses.subject,
-        laid.deviations.0.to_degrees(),
-        laid.fit.scale,
-        laid.deviations.1,
-        fixes.topic,
-        grid.fit.scale,
+        "{}: `{frame}` is the grid of UTM zone {}, not ENU: rotated by {angle:.3} deg, scaled by {:.5}",
+        poses.subject, grid.zone, laid.fit.scale
     );
     let aside = 1e3 * grid.fit.angle_rad.sin().abs();
     let longer = 1e3 * (grid.fit.scale - 1.0);
+    let detail = format!(
+        "Fitted to the fixes on `{}` from {from:.0} to {to:.0} s, +- {:.3} deg and {:.5}; the grid is rotated by {of_grid:.3} deg and \
+         scaled by {:.5} here, ENU by 0 and 1. Headings from true north are off by {of_grid:.2} deg in this frame, and over 1 km a \
+         point is {aside:.1} m to the side and {longer:+.2} m along.",
+        fixes.topic,
+        laid.deviations.0.to_degrees(),
+        laid.deviations.1,
+        grid.fit.scale,
+    );
     Finding::warning(subject, message, poses.place())
         .likely()
         .relation("utm-grid")
+        .detail(detail)
         .related(fixes.place(), "the fixes")
         .help(format!(
-            "headings from true north are off by {of_grid:.2} deg in this frame, and in 1 km a point is {aside:.1} m aside and \
-             {longer:+.2} m along: make positions with a local tangent plane (`use_local_cartesian` of navsat_transform), or turn \
-             them by {:.4} deg and divide them by {:.6}, and say in the frame's name that it is a grid if it is meant to be one",
+            "use a local tangent plane (`use_local_cartesian` of navsat_transform), or rotate the positions by {:.4} deg and divide \
+             them by {:.6}; if a grid is intended, put `utm` into the frame's name",
             -of_grid, grid.fit.scale
         ))
 }

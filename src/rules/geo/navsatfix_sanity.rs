@@ -1,4 +1,4 @@
-//! GEO01: positions that no receiver can mean.
+//! GEO01: GNSS fixes with impossible positions.
 
 use crate::analysis::geo::fixes::{Limits, Position, Reading, meant, middle, misread, others};
 use crate::rules::prelude::*;
@@ -24,23 +24,23 @@ impl Rule for NavsatfixSanity {
 fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvidence, limits: &Limits, out: &mut Judge) {
     let with_fix = fixes.count.saturating_sub(fixes.no_fix);
     if with_fix == 0 {
-        return out.too_little(subject, "no message says that it has a fix");
+        return out.too_little(subject, "no message has a fix (status >= 0)");
     }
     let listed = [
         (
             &fixes.non_finite,
-            "are not finite",
-            "send status -1 where there is no fix",
+            "are NaN or infinite",
+            "publish status -1 while there is no fix",
         ),
         (
             &fixes.out_of_range,
-            "lie beyond 90 or 180 degrees",
+            "are out of range",
             "publish degrees, latitude first",
         ),
         (
             &fixes.null_island,
-            "lie at latitude 0 and longitude 0 exactly",
-            "send status -1 until the receiver has a fix",
+            "are exactly latitude 0, longitude 0",
+            "publish status -1 until the receiver has a fix",
         ),
     ];
     let mut sound = true;
@@ -52,19 +52,21 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
         let is_error = *count as f64 > limits.error_share * with_fix as f64;
         let severity = if is_error { Severity::Error } else { Severity::Warning };
         let meant = meant(first, limits);
-        let perhaps = meant.map_or_else(String::new, |Reading { words, meant, .. }| {
-            format!(": perhaps {words}, and {:.5}, {:.5} is meant", meant.0, meant.1)
-        });
-        let message = format!("{count} of {with_fix} positions on {subject} {what}, with status >= 0{perhaps}");
+        let perhaps = meant.map_or_else(String::new, |Reading { words, .. }| format!(": probably {words}"));
+        let message = format!("{subject}: {count} of {with_fix} positions {what}{perhaps}");
         let place = Place::message(bag.source, first.at.clone());
         let finding = Finding::new(severity, subject, message, place).help(help).measured(
             Measured::new("positions", *count as f64, "count")
                 .limit(limits.max_wrong)
                 .samples(with_fix),
         );
+        let valid = "Their status states a valid fix (>= 0).";
         out.fail(match meant {
-            Some(meant) => finding.relation(meant.relation),
-            None => finding,
+            Some(Reading { relation, meant, .. }) => finding.relation(relation).detail(format!(
+                "{valid} Corrected, the first position is {:.5}, {:.5}.",
+                meant.0, meant.1
+            )),
+            None => finding.detail(valid),
         });
     }
     let Some(position) = middle(fixes).filter(|_| sound) else {
@@ -97,19 +99,23 @@ fn misreading(
         Some(first) => Place::message(bag.source, first.at.clone()),
         None => Place::whole(bag.source),
     };
-    let because = match other {
-        Some(other) => format!("read so, it agrees with `{other}`"),
-        None => "as published, it lies in the Gulf of Guinea".to_owned(),
+    let (probably, detail) = match other {
+        Some(other) => ("", format!("Read this way, the position agrees with `{other}`.")),
+        None => (
+            "probably ",
+            "As published, the position is in the Gulf of Guinea. A second receiver would confirm the unit.".to_owned(),
+        ),
     };
     let message = format!(
-        "the position on {subject}, {:.5}, {:.5}: {}; {because}",
-        position.0, position.1, way.words
+        "{subject}: {probably}{} (latitude {:.5}, longitude {:.5})",
+        way.words, position.0, position.1
     );
     let finding = Finding::error(subject, message, place)
         .relation(way.relation)
-        .help("publish latitude and longitude in degrees, WGS 84")
+        .detail(detail)
+        .help("publish latitude and longitude in degrees (WGS 84)")
         .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count))
-        .measured(Measured::new("agreement asked for", limits.agree_deg, "deg"));
+        .measured(Measured::new("required agreement", limits.agree_deg, "deg"));
     if other.is_some() {
         finding.likely()
     } else {

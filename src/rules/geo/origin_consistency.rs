@@ -33,14 +33,11 @@ impl Rule for OriginConsistency {
             if let Some(finding) = own::missing(reference, limits) {
                 return out.fail(finding);
             }
-            let why = format!(
-                "only {} says where the origin lies: two are needed to compare",
-                reference.who
-            );
+            let why = format!("only {} states the origin: two are needed to compare", reference.who);
             return out.missing("origin", why);
         }
         for other in nearest_of_alternatives(reference, others) {
-            // What a drive says itself is held against that drive's own origin.
+            // What a drive itself states is compared with that drive's own origin.
             let of_drive = all
                 .iter()
                 .find(|origin| origin.bag.is_some() && origin.bag == other.bag && origin.by < other.by);
@@ -49,7 +46,7 @@ impl Rule for OriginConsistency {
     }
 }
 
-/// A file's origin whose latitude is none; the others are compared.
+/// A file's origin with a latitude out of range; the others are compared.
 fn judge_place(stated: &EarthOrigin, out: &mut Judge) {
     let Some([latitude, longitude]) = stated.latitude_longitude_deg else {
         return;
@@ -59,11 +56,11 @@ fn judge_place(stated: &EarthOrigin, out: &mut Judge) {
     }
     let subject = format!("origin `{}`", stated.label);
     if latitude.abs() > 180.0 || longitude.is_nan() || longitude.abs() > 90.0 {
-        let why = format!("{latitude}, {longitude} is no latitude and longitude in degrees");
+        let why = format!("{latitude}, {longitude} is not a latitude and longitude in degrees");
         return out.not_evaluated(subject, NotEvaluated::InputBroken, why);
     }
     let message = format!(
-        "`{}` has the latitude {latitude} deg, and none is beyond 90: latitude and longitude are exchanged",
+        "`{}`: latitude {latitude} deg is beyond 90: latitude and longitude are swapped",
         stated.label
     );
     let finding = Finding::error(subject, message, stated.place.clone()).likely();
@@ -104,7 +101,7 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     let two_drives = reference.bag.is_some() && other.bag.is_some() && reference.bag != other.bag;
     if two_drives && distance_m > limits.site_m {
         let why = format!(
-            "the two recordings have origins {:.1} km apart: they are of two sites",
+            "the two recordings have origins {:.1} km apart: they are from two sites",
             distance_m / 1e3
         );
         return out.not_applicable(subject, why);
@@ -118,26 +115,41 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     } else {
         Severity::Warning
     };
-    let message = format!(
-        "two origins {distance_m:.2} m apart{}: {} has {}, {} has {}{}",
-        direction(&apart),
+    let message = if reference.who == other.who {
+        let [one, two] = [reference, other].map(|origin| world.path(origin.place.source));
+        format!(
+            "`{one}` and `{two}` put the origin {distance_m:.2} m apart ({})",
+            other.who
+        )
+    } else {
+        format!(
+            "{} and {} put the origin {distance_m:.2} m apart",
+            reference.who, other.who
+        )
+    };
+    let detail = format!(
+        "{} has {}, {} has {}{}.{}",
         named(reference),
         told(reference),
         named(other),
         told(other),
+        direction(&apart),
         geoid_m.map_or(String::new(), |n| format!(
-            "; they differ in height alone, by what the geoid lies over the ellipsoid here ({n:.1} m): one is above mean sea level"
+            " They differ in height alone, by the geoid undulation here ({n:.1} m): one height is above mean sea level."
         ))
     );
     let help = if by_track {
-        "the poses and the origin that is stated do not fit: the map was made about another origin, or the poses are not expressed in it"
+        "state the origin that the map was made with, or express the poses in that map: over the fixes they contradict this origin"
     } else if two_drives {
-        "a map that was made on one drive is shifted on the other: write the origin down once, and load it"
+        "save the origin once and load it on every drive: a map made on one drive is shifted on the other"
     } else {
-        "keep the origin in one file, and let everything read it from there; of two, keep the one that the map was made about"
+        "keep the origin in one file that everything reads: the one that the map was made with"
     };
-    // Files of one folder may be for two sites, and nothing here says which of them is used.
-    let files_alone = matches!((&reference.by, &other.by), (OriginSource::File(_), OriginSource::File(_)));
+    // Files of one folder may be for two sites, and nothing shows which of them is used.
+    let files_alone = matches!(
+        (&reference.by, &other.by),
+        (OriginSource::File(_), OriginSource::File(_))
+    );
     let ceiling = if files_alone && distance_m > limits.site_m {
         Confidence::Hint
     } else {
@@ -146,6 +158,7 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     let mut finding = Finding::new(severity, subject, message, other.place.clone())
         .confidence(other.reading.min(reference.reading).min(ceiling))
         .related(reference.place.clone(), "the other origin")
+        .detail(detail)
         .help(help);
     if geoid_m.is_some() {
         finding = finding.relation("geoid");

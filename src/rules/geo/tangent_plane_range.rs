@@ -10,6 +10,9 @@ use crate::world::motion::PoseRow;
 
 pub(crate) struct TangentPlaneRange;
 
+/// What to do where z is no altitude.
+const CONVERT: &str = "convert heights of fixes and elevation maps in all three coordinates, not by a constant shift";
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -53,7 +56,7 @@ impl Rule for TangentPlaneRange {
                     if let Some((origin, overlay)) = fitted {
                         judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
                     } else {
-                        let why = "poses and fixes have no time in common, or no turn takes one way to the other";
+                        let why = "poses and fixes do not overlap in time, or the poses do not follow the fixes";
                         out.too_little(subject, why);
                     }
                 }
@@ -66,17 +69,23 @@ fn measured(distance_m: f64, departure_m: f64, tilt_deg: f64, limits: &Limits) -
     [
         Measured::new("distance from the origin", distance_m, "m"),
         Measured::new("departure of the plane from the ellipsoid", departure_m, "m").limit(limits.max_departure_m),
-        Measured::new("lean of the plane's up", tilt_deg, "deg").limit(limits.max_tilt_deg),
+        Measured::new("tilt of the plane's up axis", tilt_deg, "deg").limit(limits.max_tilt_deg),
     ]
 }
 
 fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
     let Some((distance_m, who)) = &plane.reach else {
-        return out.missing(plane.subject, format!("no poses are expressed in `{}`, and there are no fixes", plane.local));
+        return out.missing(
+            plane.subject,
+            format!(
+                "no poses are expressed in `{}`, and there are no fixes: record one of them",
+                plane.local
+            ),
+        );
     };
     if *distance_m > limits.elsewhere_m {
         let why = format!(
-            "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth",
+            "{who} is {:.0} km from the origin: another place on the Earth, not a plane that is used too far out",
             distance_m / 1e3
         );
         return out.not_applicable(plane.subject, why);
@@ -96,45 +105,53 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
     let finding = match heights {
         Some((Follows::Altitude, poses)) if departure_m > limits.max_departure_m => {
             let message = format!(
-                "{poses}: z is an altitude, but {} takes it for the height over a plane: {km:.1} km from the origin everything lies \
-                 {departure_m:.2} m too high on the Earth",
-                plane.subject
+                "{poses}: z is altitude, not height over the plane of `{local}`: {departure_m:.2} m off at {km:.1} km"
             );
             Finding::warning(plane.subject, message, plane.place.clone())
                 .likely()
                 .relation("altitude-as-z")
-                .help("convert fixes with a tangent plane in all three coordinates (east, north, up), or use the frame as a map without height")
+                .detail(format!(
+                    "{} makes x, y, z a tangent plane: in it, altitudes are too high far from the origin.",
+                    plane.subject
+                ))
+                .help("convert fixes to the tangent plane in all three coordinates (east, north, up), or ignore the heights of the map")
         }
         _ if tilt_deg > limits.max_tilt_deg => {
             let message = format!(
-                "{}: {who} is {km:.1} km from the origin, where the plane lies {departure_m:.1} m above the ellipsoid and leans by \
-                 {tilt_deg:.2} deg against the vertical there",
+                "{}: used {km:.1} km from its origin: z is {tilt_deg:.2} deg off the vertical",
                 plane.subject
             );
             Finding::warning(plane.subject, message, plane.place.clone())
                 .relation("far-from-origin")
+                .detail(format!(
+                    "{who} is that far out; the plane is {departure_m:.1} m above the ellipsoid there."
+                ))
                 .help(format!(
-                    "put the origin of `{local}` near the place of use, or work in pieces with an origin each"
+                    "put the origin of `{local}` near the place of use, or split the area into maps with an origin each"
                 ))
         }
         _ if departure_m > limits.note_departure_m => {
+            let (differs, detail) = if is_open {
+                (
+                    "may differ",
+                    "The heights of the poses do not show whether their z is altitude or height over the plane.",
+                )
+            } else {
+                ("differs", "The tangent plane is above the ellipsoid there.")
+            };
             let message = format!(
-                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there{}",
-                plane.subject,
-                if is_open {
-                    ", and the heights of the poses do not tell whether theirs is one"
-                } else {
-                    ""
-                }
+                "{}: z {differs} from altitude by {departure_m:.2} m, {km:.1} km from the origin",
+                plane.subject
             );
             Finding::note(plane.subject, message, plane.place.clone())
                 .relation("tangent-plane")
-                .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift")
+                .detail(detail)
+                .help(CONVERT)
         }
         _ if departure_m > limits.max_departure_m && is_open => {
             let why = format!(
-                "{distance_m:.0} m from the origin the plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses in \
-                 `{local}` do not tell which of them they follow"
+                "plane and ellipsoid are {departure_m:.2} m apart {distance_m:.0} m from the origin, and the heights of the poses in \
+                 `{local}` do not show which of the two they follow: a longer drive or a receiver with corrections would"
             );
             return out.too_little(plane.subject, why);
         }
@@ -148,8 +165,7 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
     let distance_m = far.fold(0.0, f64::max);
     if distance_m > limits.unstated_m {
         let why = format!(
-            "its zero lies {:.0} km from the fixes, and nothing states it as an origin: these are rather coordinates in a square of a \
-             grid",
+            "its origin is {:.0} km from the fixes and is stated nowhere: probably coordinates in a grid square",
             distance_m / 1e3
         );
         return out.not_applicable(subject, why);
@@ -169,20 +185,22 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
         Some(Follows::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
         Some(Follows::Plane) => {
             let message = format!(
-                "{subject}: z is the height over a plane, which lies {departure_m:.2} m above the ellipsoid {:.1} km from its origin: z \
-                 is no altitude there",
+                "{subject}: z is height over a plane, {departure_m:.2} m from altitude at {:.1} km",
                 distance_m / 1e3
             );
             let finding = Finding::note(subject, message, place.clone())
                 .likely()
                 .relation("tangent-plane")
-                .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift");
+                .detail(
+                    "The heights of the poses follow a plane that touches the ellipsoid at the origin of their frame.",
+                )
+                .help(CONVERT);
             out.fail(finding.measured(measured));
         }
         _ => {
             let why = format!(
-                "{distance_m:.0} m from the origin a plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses do \
-                 not tell which of them they follow; no transform from the Earth's frame says it either"
+                "plane and ellipsoid are {departure_m:.2} m apart {distance_m:.0} m from the origin, and the heights of the poses do \
+                 not show which of the two they follow: a transform from `earth` would"
             );
             out.too_little(subject, why);
         }

@@ -1,9 +1,9 @@
-//! NAME05: frames named forward-right-down or forward-left-up that are turned otherwise.
+//! NAME05: frames named forward-right-down or forward-left-up that have other axes.
 
 use nalgebra::UnitQuaternion;
 
 use crate::analysis::promised::BodyAxes;
-use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
+use crate::analysis::suffix::{found, known_turn, off_deg, place_of, relation_to, siblings};
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::source::Confidence;
@@ -51,10 +51,10 @@ fn judge_frame(world: &World, frame: &FrameId, axes: BodyAxes, limits: &Limits, 
     let subject = format!("frame `{frame}`");
     // A pair of both words is judged once, as the frame that is forward-right-down.
     let instead = (axes == BodyAxes::Frd).then_some(BodyAxes::Flu.word());
-    let found = siblings(world, frame, axes.word(), instead)
+    let known = siblings(world, frame, axes.word(), instead)
         .into_iter()
         .find_map(|other| Some((other, relation_to(world, other, frame)?.rotation)));
-    let Some(((other, other_from_frame), place)) = found.zip(place_of(world, frame)) else {
+    let Some(((other, other_from_frame), place)) = known.zip(place_of(world, frame)) else {
         let of_both =
             axes == BodyAxes::Flu && !siblings(world, frame, axes.word(), Some(BodyAxes::Frd.word())).is_empty();
         if !of_both {
@@ -116,7 +116,7 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     let Pair { frame, other, .. } = pair;
     let expected = pair.axes.turn(pair.other_axes);
     let deg = off_deg(expected, &pair.other_from_frame);
-    let off = Measured::new(format!("rotation off {}", pair.axes.word()), deg, "deg")
+    let off = Measured::new(format!("rotation from {}", pair.axes.word()), deg, "deg")
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
@@ -124,15 +124,14 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     }
     let relation = known_turn(&pair.other_from_frame, limits.max_deg);
     let message = format!(
-        "`{frame}` is not {} of `{other}`: its rotation is {deg:.1} deg off{}",
-        pair.axes.word(),
-        relation.map_or_else(String::new, |relation| format!(" ({})", relation.describe())),
+        "`{frame}` is rotated {deg:.1} deg away from {} axes relative to `{other}`",
+        pair.axes.word().to_uppercase(),
     );
     let help = match expected {
-        Some(_) => "forward-right-down of a forward-left-up frame is half a turn about x: rpy = (pi, 0, 0)",
-        None => "a frame without a suffix is forward-left-up already (REP-103): the rotation between the two is none",
+        Some(_) => "set rpy = (pi, 0, 0), forward-right-down in a forward-left-up frame, or rename the frame",
+        None => "remove the rotation, since a frame without a suffix is forward-left-up already (REP-103), or rename the frame",
     };
-    // The unmarked frame may be the one of other axes, or a sensor as it is built in: the names disagree, no more.
+    // The frame without a suffix may have other axes, as a sensor in its mounting: only the names disagree.
     let is_open = relation.is_none() || (pair.axes == BodyAxes::Flu && relation == Some(Relation::FluFrd));
     let finding = if is_open {
         Finding::warning(pair.subject.as_str(), message, place).likely()
@@ -140,6 +139,8 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
         Finding::error(pair.subject.as_str(), message, place)
     };
     let mut finding = finding.confidence(pair.reading).measured(off).help(help);
-    finding.relation = relation.map(|relation| relation.word().to_owned());
+    if let Some(relation) = relation {
+        finding = finding.detail(found(relation)).relation(relation.word());
+    }
     out.fail(finding);
 }

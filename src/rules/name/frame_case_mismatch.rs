@@ -43,7 +43,7 @@ impl Rule for FrameCaseMismatch {
                 .max_by_key(|(frame, uses)| (standing(uses), std::cmp::Reverse(*frame)));
             let Some((right, right_uses)) = right else { continue };
             for (odd, odd_uses) in spellings.iter().filter(|(frame, _)| *frame != right) {
-                // Letters that only look alike are NAME02's.
+                // Letters that only look the same are NAME02's.
                 if odd.as_str().to_lowercase() == right.as_str().to_lowercase()
                     && let Some(finding) = judge_pair((world, &trees, &spelled), (odd, odd_uses), (right, right_uses))
                 {
@@ -59,12 +59,12 @@ impl Rule for FrameCaseMismatch {
     }
 }
 
-/// Labels read out of calibration keys are no frame names, and simulators keep names of their own.
+/// Labels from calibration keys are no frame names, and simulators have names of their own.
 fn is_name(role: FrameRole) -> bool {
     !matches!(role, FrameRole::CalibrationLabel | FrameRole::Simulator)
 }
 
-/// How good a witness of the right spelling a name is: TF before links, before references; then the number of uses.
+/// How reliable a name is as the right spelling: TF before links, before references; then the number of uses.
 fn standing(uses: &[&FrameUse]) -> (u8, usize) {
     let of = |role: FrameRole| match role {
         FrameRole::TfParent | FrameRole::TfChild => 4,
@@ -109,8 +109,8 @@ fn judge_pair(
             witness.role.words()
         );
         if is_tree {
-            let message = format!("{message}: names are compared with case, so the two are different frames");
             Finding::error(subject, message, first.place.clone())
+                .detail("Frame names are case-sensitive: these are two different frames.")
         } else {
             Finding::warning(subject, message, first.place.clone()).likely()
         }

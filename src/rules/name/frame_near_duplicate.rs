@@ -1,4 +1,4 @@
-//! NAME03: a frame that no transform knows, with a name very like one that is known.
+//! NAME03: a frame that is not in the tree, with a name similar to one that is.
 
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,7 +13,7 @@ pub(crate) struct FrameNearDuplicate;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Edits (insert, drop, replace, swap neighbours) that still count as a slip.
+    /// Edits (insert, delete, replace, swap neighbours) that still count as a typo.
     pub max_edits: usize,
     /// Shortest name, in characters, for which edits are counted.
     pub min_length: usize,
@@ -59,7 +59,7 @@ impl Rule for FrameNearDuplicate {
             } else if !tree.contains(frame) && index.is_spent() {
                 out.too_little(subject, "there are too many unknown names to compare each with the tree");
             } else {
-                let names = Measured::count("names within reach", 0).limit(0.0);
+                let names = Measured::count("similar names", 0).limit(0.0);
                 out.pass(subject, [names.samples(tree.len() as u64)]);
             }
         }
@@ -71,7 +71,7 @@ fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, l
     let (words, place) = used.map_or(("frame", None), |used| (used.role.words(), Some(used.place.clone())));
     let place = place.or_else(|| crate::analysis::places::first(world, frame));
     let message = format!(
-        "`{frame}` ({words}) is no frame of the tree, and {} from `{}`, which is",
+        "`{frame}` ({words}) is not in the tree, but {} from `{}`",
         near.how, near.frame
     );
     let edits = Measured::count("edits between the names", near.edits).limit(limits.max_edits as f64);
@@ -79,7 +79,7 @@ fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, l
     let finding = Finding::warning(format!("frame `{frame}`"), message, place)
         .likely()
         .help(format!(
-            "if `{}` is meant, write it so; if not, publish the transform of `{frame}`",
+            "use `{}` if that is meant; otherwise publish the transform of `{frame}`",
             near.frame
         ))
         .measured(edits);

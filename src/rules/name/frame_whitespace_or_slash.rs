@@ -1,4 +1,4 @@
-//! NAME02: blanks, slashes and invisible characters in frame names.
+//! NAME02: whitespace, slashes and invisible characters in frame names.
 
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -60,14 +60,14 @@ const MANY: usize = 3;
 
 type Grade = (Severity, Confidence, Fault);
 
-/// A name that is wrong, its gravest use and how often it is used.
+/// A name that is wrong, its most severe use and how often it is used.
 struct Wrong<'a> {
     frame: &'a FrameId,
     used: &'a FrameUse,
     count: u64,
 }
 
-/// What renaming needs to know.
+/// What renaming needs.
 struct Texts<'a> {
     spelled: places::Spelled<'a>,
     links: BTreeSet<&'a str>,
@@ -101,18 +101,13 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
     let place = first.map_or_else(|| Place::whole(SourceId(0)), |wrong| wrong.used.place.clone());
     let listed = tf::listed(&names.iter().map(shown).collect::<Vec<_>>());
     let role = first.map_or("", |wrong| wrong.used.role.words());
-    let (subject, message) = if names.len() == 1 {
-        let message = format!("the frame name {listed} ({role}) {}: {}", fault.words(), fault.why());
-        (format!("frame {listed}"), message)
+    let (subject, message, detail) = if names.len() == 1 {
+        let message = format!("frame name {listed} ({role}) {}", fault.words());
+        (format!("frame {listed}"), message, fault.why().to_owned())
     } else {
         let path = world.path(place.source);
-        let message = format!(
-            "each of {} frame names {}: {listed}; {}",
-            names.len(),
-            fault.words(),
-            fault.why()
-        );
-        (format!("frames of {path}"), message)
+        let message = format!("each of {} frame names {}", names.len(), fault.words());
+        (format!("frames of {path}"), message, format!("The names are {listed}. {}", fault.why()))
     };
     let cleaned: Vec<String> = names
         .iter()
@@ -120,13 +115,15 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
         .collect();
     let can_clean = |name: &String| !name.is_empty() && !name.contains(char::is_whitespace);
     let help = match cleaned.first() {
-        Some(name) if can_clean(name) => format!("write `{name}`{}", if names.len() > 1 { ", and so on" } else { "" }),
-        _ => "write it with letters, digits and `_`".to_owned(),
+        Some(name) if can_clean(name) && names.len() > 1 => format!("rename them (the first to `{name}`)"),
+        Some(name) if can_clean(name) => format!("rename it to `{name}`"),
+        _ => "use only letters, digits and `_`".to_owned(),
     };
     let count = crate::math::stats::total(names.iter().map(|wrong| wrong.count));
     let finding = Finding::new(severity, subject, message, place)
         .confidence(confidence)
         .label(fault.words())
+        .detail(detail)
         .help(help.clone())
         .measured(Measured::new("uses", count as f64, "count").limit(0.0));
     // Where both spellings are links, renaming one would make two links of one name.

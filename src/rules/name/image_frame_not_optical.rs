@@ -29,19 +29,20 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
     }
     if !camera.is_camera(frame) {
         let reason =
-            "no camera calibration has this frame, and it is not named like a camera's: lidars give images too";
+            "no camera calibration has this frame, and its name is not a camera's: lidars publish images too";
         return out.not_applicable(subject, reason);
     }
     let place = Place::message(bag.source, camera.first.clone());
-    let help = "an image's frame_id is the camera's optical frame: z forward, x right, y down (REP-103, CameraInfo.msg); \
-                publish one, rpy = (-pi/2, 0, -pi/2) from the camera's link, and name it in the driver";
+    let help = "publish an optical frame, rpy = (-pi/2, 0, -pi/2) from the camera's link, and set it as the driver's frame_id";
+    let why = "Images are expressed in the camera's optical frame: z forward, x right, y down (REP-103, CameraInfo.msg).";
     if let Some((optical, stated)) = optical_beside(world, frame, limits.optical_deg) {
         let message = format!(
-            "{} is in `{frame}`, whose x axis looks ahead: the camera's optical frame is `{optical}`",
+            "`{}` has frame_id `{frame}` instead of the camera's optical frame `{optical}`",
             camera.topic
         );
         let finding = Finding::error(subject, message, place)
-            .help(help)
+            .detail(format!("The x axis of `{frame}` points forward. {why}"))
+            .help(format!("set the driver's frame_id to `{optical}`"))
             .measured(messages)
             .relation("optical");
         return out.fail(match stated {
@@ -51,24 +52,22 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
     }
     let Some((base, z_up)) = up(world, frame) else {
         let message = format!(
-            "`{frame}`, the frame of {}, does not say that it is an optical frame, and no transform tells how it is turned",
+            "`{}`: `{frame}` is not named optical, and no transform shows its orientation",
             camera.topic
         );
         let finding = Finding::note(subject, message, place).hint().measured(messages);
         return out.fail(
             finding
-                .help("call it `..._optical_frame` if its z axis looks ahead; publish an optical frame if it does not"),
+                .help("rename it to `..._optical_frame` if its z axis points forward; otherwise publish an optical frame"),
         );
     };
-    let measured = Measured::new("share of the vertical in z", z_up, "1").limit(limits.min_up);
+    let measured = Measured::new("vertical component of z", z_up, "1").limit(limits.min_up);
     if z_up > limits.min_up && !has_word(frame, UPWARD_WORDS) {
-        let message = format!(
-            "`{frame}`, the frame of {}, has its z axis up in `{base}`: it is no optical frame, whose z axis looks ahead",
-            camera.topic
-        );
+        let message = format!("`{}`: z of `{frame}` points up in `{base}`, so it is not an optical frame", camera.topic);
         let finding = Finding::error(subject, message, place)
             .likely()
             .relation("optical")
+            .detail(why)
             .help(help);
         out.fail(finding.measured(measured).measured(messages));
     } else if z_up.abs() > limits.min_up {

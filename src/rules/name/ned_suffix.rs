@@ -1,10 +1,10 @@
-//! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
+//! NAME04: frames named north-east-down (or east-north-up, north-west-up) that have other axes.
 
 use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
+use crate::analysis::suffix::{found, known_turn, off_deg, place_of, relation_to, siblings};
 use crate::analysis::{names, promised::Axes};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
@@ -28,10 +28,10 @@ impl Rule for NedSuffix {
             let Some(axes) = Axes::of(frame) else { continue };
             let subject = format!("frame `{frame}`");
             let instead = (axes != Axes::Enu).then_some("enu");
-            let found = siblings(world, frame, axes.word(), instead)
+            let known = siblings(world, frame, axes.word(), instead)
                 .into_iter()
                 .find_map(|sibling| Some((sibling, relation_to(world, sibling, frame)?)));
-            match found {
+            match known {
                 None => {
                     let why = format!("no transform to a frame of the same name without `{}`", axes.word());
                     out.too_little(subject, why);
@@ -59,7 +59,7 @@ fn judge_pair(
         .map(|expected| off_deg(*expected, &seen))
         .fold(f64::INFINITY, f64::min);
     let subject = format!("frame `{frame}`");
-    let off = Measured::new(format!("rotation off {}", axes.word()), deg, "deg")
+    let off = Measured::new(format!("rotation from {}", axes.word()), deg, "deg")
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
@@ -73,23 +73,22 @@ fn judge_pair(
     let up = if is_down { -Vector3::z() } else { Vector3::z() };
     let has_right_vertical = (seen * Vector3::z()).dot(&up) >= limits.max_deg.to_radians().cos();
     let message = format!(
-        "`{frame}` is not {} of `{sibling}`: its rotation is {deg:.1} deg off{}",
-        axes.word(),
-        relation.map_or_else(String::new, |relation| format!(" ({})", relation.describe())),
+        "`{frame}` is rotated {deg:.1} deg away from {} axes relative to `{sibling}`",
+        axes.word().to_uppercase(),
     );
     let finding = match relation {
-        // A free heading with the right vertical may be a local grid: the name promises more, but it may be meant.
+        // A free heading with the right vertical may be a local grid, which may be intended.
         None if has_right_vertical => Finding::warning(subject, message, place).likely(),
         _ => Finding::error(subject, message, place),
     };
     let finding = finding.measured(off).help(match axes {
-        Axes::Ned if names::is_world(frame) => "north-east-down of an east-north-up frame is rpy = (pi, 0, pi/2)",
-        Axes::Ned => "forward-right-down of a forward-left-up frame is rpy = (pi, 0, 0)",
-        Axes::Enu => "the unmarked frame is east-north-up already (REP-103): the rotation between the two is none",
-        Axes::Nwu => "north-west-up of an east-north-up frame is rpy = (0, 0, pi/2)",
+        Axes::Ned if names::is_world(frame) => "set rpy = (pi, 0, pi/2), north-east-down in an east-north-up frame, or rename the frame",
+        Axes::Ned => "set rpy = (pi, 0, 0), forward-right-down in a forward-left-up frame, or rename the frame",
+        Axes::Enu => "remove the rotation, since the frame without the suffix is east-north-up already (REP-103), or rename the frame",
+        Axes::Nwu => "set rpy = (0, 0, pi/2), north-west-up in an east-north-up frame, or rename the frame",
     });
     out.fail(match relation {
-        Some(relation) => finding.relation(relation.word()),
+        Some(relation) => finding.detail(found(relation)).relation(relation.word()),
         None => finding,
     });
 }

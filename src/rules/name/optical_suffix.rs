@@ -1,4 +1,4 @@
-//! NAME06: camera frames named optical that are not turned to optical axes.
+//! NAME06: camera frames named optical that do not have optical axes.
 
 use nalgebra::UnitQuaternion;
 
@@ -36,7 +36,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         );
     };
     let deg = off(worst);
-    let measured = Measured::new("rotation off optical", deg, "deg")
+    let measured = Measured::new("rotation from optical axes", deg, "deg")
         .turn()
         .limit(limits.exact_deg);
     if deg <= limits.exact_deg {
@@ -44,7 +44,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     }
     if !tells(worst, limits) {
         let why = format!(
-            "`{}` is not this camera's own link, and the camera may be mounted at any angle",
+            "`{}` is not this camera's own link, so the camera may be mounted at any angle",
             worst.parent
         );
         return out.too_little(subject, why);
@@ -58,7 +58,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     };
     let (word, what) = relation(&worst.parent_from_optical, limits);
     let message = format!(
-        "`{frame}` is {deg:.1} deg off the optical axes of `{}`{what}",
+        "`{frame}` is rotated {deg:.1} deg away from the optical axes of `{}`",
         worst.parent
     );
     let finding = if deg <= limits.calibrated_deg {
@@ -68,8 +68,8 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     } else {
         Finding::error(subject, message, place).likely()
     };
-    let mut finding = finding.measured(measured).help(
-        "an optical frame has z forward, x right, y down: rpy = (-pi/2, 0, -pi/2) from a link with x forward (REP-103)",
+    let mut finding = finding.measured(measured).detail(what).help(
+        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103)",
     );
     finding.relation = word.map(str::to_owned);
     let edit = worst
@@ -77,19 +77,19 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         .filter(|_| word.is_some())
         .and_then(|edge| places::rpy_edit(world, edge, OPTICAL_RPY));
     out.fail(match edit {
-        Some(edit) => finding.fix("turn it to optical axes", Safety::ChangesBehaviour, vec![edit]),
+        Some(edit) => finding.fix("rotate it to optical axes", Safety::ChangesBehaviour, vec![edit]),
         None => finding,
     });
 }
 
-/// The mistake that was made, if it is one of the common ones.
+/// The mistake, if it is one of the common ones, with a sentence.
 fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Option<&'static str>, String) {
     let is =
         |turn: UnitQuaternion<f64>| rotation_angle_between(&turn, parent_from_optical).to_degrees() <= limits.exact_deg;
     if is(UnitQuaternion::identity()) {
-        (Some("optical"), ": it is not turned at all".to_owned())
+        (Some("optical"), "It has no rotation at all.".to_owned())
     } else if is(AxisTurn::XMinus90.quaternion()) {
-        (Some("x-90"), ": it is turned about x only".to_owned())
+        (Some("x-90"), "It is rotated about x only.".to_owned())
     } else {
         let tolerance = Tolerance {
             angle_rad: limits.exact_deg.to_radians(),
@@ -98,7 +98,7 @@ fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Opti
         let known = classify_rotation(&AxisTurn::Optical.quaternion(), parent_from_optical, &tolerance).error();
         (
             known.map(Relation::word),
-            known.map_or_else(String::new, |relation| format!(": {}", relation.describe())),
+            known.map_or("", Relation::describe).to_owned(),
         )
     }
 }

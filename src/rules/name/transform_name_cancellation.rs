@@ -25,8 +25,8 @@ impl Rule for TransformNameCancellation {
     }
 }
 
-/// Files of source code that use `T_a_b` for what takes points of `a` to `b`: their products fit from right to left, several of them, and none the
-/// other way alone. With a mark between the frames (`a_T_b`) or with `from`, nobody does.
+/// Files of source code that use `T_a_b` for the transform that takes points from `a` to `b`: several of their products cancel only from right to
+/// left, and none only from left to right. With a mark between the frames (`a_T_b`) or with `from` this is not in use.
 fn read_from_the_right(world: &World) -> BTreeSet<SourceId> {
     let mut votes: BTreeMap<SourceId, (usize, usize)> = BTreeMap::new();
     for chain in &world.chains {
@@ -50,7 +50,7 @@ fn read_from_the_right(world: &World) -> BTreeSet<SourceId> {
     of_one_mind.map(|(source, _)| source).collect()
 }
 
-/// Two neighbours that do not fit: what the left one ends in, what the right one begins with, and where.
+/// Two neighbours that do not cancel: the source of the left one, the target of the right one, and where.
 struct Gap {
     left: String,
     right: String,
@@ -70,7 +70,7 @@ fn gaps<'a>(factors: impl Iterator<Item = &'a (TransformName, Span)> + Clone) ->
         .collect()
 }
 
-/// The chain with the platform's names in the place of aliases that the user confirms.
+/// The chain with the platform's names instead of aliases that the user declares.
 fn with_aliases(world: &World, chain: &DeclaredChain) -> DeclaredChain {
     let mut chain = chain.clone();
     for (name, _) in chain.factors.iter_mut().chain(&mut chain.result) {
@@ -106,11 +106,11 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     let subject = format!("`{}`", chain.text.trim());
     if is_backwards && chain.factors.len() > 1 {
         let why =
-            "all products of this file fit from right to left: it reads `T_a_b` as what takes points of `a` to `b`";
+            "all products of this file cancel from right to left: its `T_a_b` takes points from `a` to `b`";
         return out.not_applicable(subject, why);
     }
     if let Some(unknown) = &chain.not_understood {
-        return out.too_little(subject, format!("`{unknown}` is no name of a transform between two frames"));
+        return out.too_little(subject, format!("`{unknown}` does not name a transform between two frames, as `a_T_b` does"));
     }
     let (Some((first, _)), Some((last, _))) = (chain.factors.first(), chain.factors.last()) else {
         return;
@@ -126,9 +126,9 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
         Confidence::Certain
     };
     let inner = gaps(chain.factors.iter());
-    // With an X that does not fit between them.
+    // With an X that does not cancel between them.
     if is_conjugation(chain) && !inner.is_empty() {
-        let why = "a change of basis: the first factor and the last are inverses, and what is between them is a motion";
+        let why = "a change of basis: the first and the last factor are inverses, and the one between them is a motion";
         return out.not_applicable(subject, why);
     }
     let places = |span: Span| Place::text(chain.place.source, span);
@@ -137,23 +137,23 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     let turned = !inner.is_empty() && gaps(chain.factors.iter().rev()).is_empty();
     for gap in &inner {
         let message = format!(
-            "`{}` meets `{}`: neighbours in a product must share a frame",
+            "`{}` is followed by `{}`: neighbours in a product must share a frame",
             gap.left, gap.right
         );
         let help = if turned {
-            "the frames cancel from right to left: `a_T_b * b_T_c` is `a_T_c`, the frame that points come from is on the right"
+            "reverse the factors: these cancel from right to left, but `a_T_b * b_T_c` is `a_T_c`, with the source frame on the right"
         } else {
-            "insert the missing transform, or take the inverse of one of the two"
+            "insert the missing transform, or invert one of the two"
         };
         let finding = Finding::error(subject.as_str(), message, places(gap.at.1))
             .confidence(ceiling)
-            .label(format!("begins with `{}`", gap.right))
-            .related(places(gap.at.0), format!("ends in `{}`", gap.left));
+            .label(format!("starts with `{}`", gap.right))
+            .related(places(gap.at.0), format!("ends with `{}`", gap.left));
         out.fail(finding.help(help).measured(joints.clone()));
     }
     let outer = Measured::count("outer frames that differ", 0).limit(0.0);
     match &chain.result {
-        // `a.T_world_sensor().inverse() * b.T_world_sensor()`: from one sensor to another, whose names are not told.
+        // `a.T_world_sensor().inverse() * b.T_world_sensor()`: from one sensor to another, without their names.
         Some(_) if inner.is_empty() && chain.factors.len() > 1 && is_same(&first.target, &last.source) => {
             out.pass(subject, [joints]);
         }
@@ -163,16 +163,16 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
                 return out.pass(subject, [joints, outer]);
             }
             let message = format!(
-                "the product takes `{}` to `{}`, and is declared to take `{}` to `{}`",
+                "the product takes `{}` to `{}`, but is declared to take `{}` to `{}`",
                 last.source, first.target, result.source, result.target
             );
             let inverse = is_same(&result.source, &first.target) && is_same(&result.target, &last.source);
-            // From then on the name says something else, and its author knows.
+            // An update gives the name another meaning, which its author knows.
             let ceiling = if is_updated { Confidence::Hint } else { ceiling };
             let finding = Finding::error(subject, message, places(*at))
                 .confidence(ceiling)
                 .help(if inverse {
-                    "the result is the inverse: exchange its frames, or invert the product"
+                    "swap the frames in the name of the result, or invert the product"
                 } else {
                     "name the result after its outer frames"
                 });
@@ -184,7 +184,7 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     }
 }
 
-/// Statements of known dialects whose direction is in doubt: one hint a file. That of algebras is QUAT05's.
+/// Statements of known dialects whose direction is ambiguous: one hint a file. Algebras are QUAT05's.
 fn judge_doubts(world: &World, out: &mut Judge) {
     let mut seen = BTreeSet::new();
     for claim in &world.claims {
@@ -196,7 +196,7 @@ fn judge_doubts(world: &World, out: &mut Judge) {
         }
         let path = world.path(claim.place.source);
         let message = format!(
-            "`{}` is read as `{target}` from `{source}`, and that is in doubt: {doubt}",
+            "`{}` is read as `{target}` from `{source}`, but its direction is ambiguous",
             claim.label
         );
         let finding = Finding::note(
@@ -205,15 +205,16 @@ fn judge_doubts(world: &World, out: &mut Judge) {
             claim.place.clone(),
         )
         .hint()
+        .detail(doubt)
         .help(format!(
-            "say it in frames-lint.yaml: transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]",
+            "state the direction in frames-lint.yaml: transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]",
             claim.label
         ));
         out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));
     }
 }
 
-/// Keys whose direction is not agreed, in files of no known dialect: one hint a file.
+/// Keys whose direction is ambiguous, in files of no known dialect: one hint a file.
 fn judge_keys(world: &World, out: &mut Judge) {
     let mut seen = BTreeSet::new();
     for claim in &world.claims {
@@ -225,18 +226,19 @@ fn judge_keys(world: &World, out: &mut Judge) {
         if !seen.insert(claim.place.source) {
             continue;
         }
-        let message = format!(
-            "`{}` does not say its direction: projects disagree whether it takes points from `{}` to `{}` or is the pose of one in the other",
-            claim.label, name.source, name.target
-        );
+        let message = format!("the direction of `{}` is ambiguous", claim.label);
         let finding = Finding::note(
             format!("names in {}", world.path(claim.place.source)),
             message,
             claim.place.clone(),
         )
         .hint()
+        .detail(format!(
+            "In some projects such a name takes points from `{}` to `{}`; in others it is the pose of one in the other.",
+            name.source, name.target
+        ))
         .help(format!(
-            "a name such as `{}_from_{}` can be read in one way only",
+            "use an unambiguous name, such as `{}_from_{}`",
             name.target, name.source
         ));
         out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));

@@ -34,17 +34,23 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         .as_ref()
         .filter(|_| points().count() >= limits.min_points)
     else {
-        return out.too_little(subject, format!("fewer than {} points with a return were seen", limits.min_points));
+        return out.too_little(
+            subject,
+            format!("fewer than {} points with a return were sampled", limits.min_points),
+        );
     };
     let types = ["x", "y", "z"].map(|name| clouds.datatype(name).unwrap_or_default());
     let is_single = types.contains(&"float32");
-    // Doubles that once were singles have their gaps.
+    // Doubles that were converted from float32 keep its steps.
     let went_through = !is_single
         && points()
             .flat_map(|point| point.xyz)
             .all(|value| f64::from(single(value)).to_bits() == value.to_bits());
     if !is_single && !types.contains(&"float64") {
-        return out.not_applicable(subject, format!("coordinates of type {} have steps of their own", types[0]));
+        return out.not_applicable(
+            subject,
+            format!("the coordinates are of type {}, neither float32 nor float64", types[0]),
+        );
     }
     let step_m = if is_single || went_through {
         step_of_single(*farthest_m)
@@ -52,7 +58,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         farthest_m * f64::EPSILON
     };
     let measured = [
-        Measured::new("step between two numbers there", step_m, "m").limit(limits.warning_m),
+        Measured::new("step at the largest coordinate", step_m, "m").limit(limits.warning_m),
         Measured::new("largest coordinate", *farthest_m, "m").samples(points().count() as u64),
     ];
     if step_m < limits.warning_m {
@@ -63,13 +69,13 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     } else {
         Severity::Warning
     };
-    let how = if is_single {
-        "expressed in float32"
+    let detail = if is_single {
+        ""
     } else {
-        "expressed in float64, but all of them went through float32"
+        "The coordinates are float64, but all values are float32 numbers: they were converted from float32."
     };
     let message = format!(
-        "points on `{}` lie up to {:.1} km from zero, {how}: there two neighbouring numbers are {:.0} mm apart",
+        "`{}`: points are up to {:.1} km from the origin, where float32 has steps of {:.0} mm",
         clouds.topic.topic,
         farthest_m / 1e3,
         step_m * 1e3
@@ -81,7 +87,10 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         Place::message(clouds.bag.source, at.clone()),
     )
     .relation("float32")
-    .help("take a local origin off in double precision first, and publish it as a transform: map tiles have one each");
+    .detail(detail)
+    .help(
+        "subtract a local origin in double precision before the conversion to float32, and publish it as a transform (one origin for each map tile)",
+    );
     out.fail(finding.measured(measured));
 }
 

@@ -1,4 +1,4 @@
-//! PREC03: coordinates far from zero, which a local origin would make small.
+//! PREC03: coordinates far from zero, where a local origin is missing.
 
 use nalgebra::Vector3;
 
@@ -13,7 +13,7 @@ pub(crate) struct Limits {
     far_m: f64,
 }
 
-/// Origins are round numbers of this, metres.
+/// Proposed origins are multiples of this, metres.
 const TILE_M: f64 = 1000.0;
 
 impl Rule for LocalOrigin {
@@ -41,14 +41,14 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let middle = points().map(|point| Vector3::from(point.xyz)).sum::<Vector3<f64>>() / count;
     let origin = middle.map(|value| (value / TILE_M).round() * TILE_M);
     let message = format!(
-        "points on `{}` lie up to {:.1} km from zero: every consumer that calculates in float32 loses digits",
+        "`{}`: points are up to {:.1} km from the origin, where code in float32 loses digits",
         clouds.topic.topic,
         farthest_m / 1e3
     );
     out.fail(
         Finding::note(subject, message, clouds.place())
             .help(format!(
-                "take ({:.0}, {:.0}, {:.0}) m off in double precision, and publish it as the transform of a frame of the map's own",
+                "subtract ({:.0}, {:.0}, {:.0}) m in double precision, and publish it as the transform from the map to a local frame",
                 origin.x, origin.y, origin.z
             ))
             .measured(measured),

@@ -1,4 +1,4 @@
-//! PREC02: times of points that their type cannot hold.
+//! PREC02: times of points that are too large for the precision of their type.
 
 use crate::analysis::{lidar::Clouds, single_precision::step_of_single};
 use crate::rules::prelude::*;
@@ -36,35 +36,45 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         _ => 1.0,
     };
     let Some(period_s) = clouds.period_s() else {
-        let why = "the clouds have no steps between their stamps: how long a scan takes is not known";
+        let why = "the scan period is unknown: the stamps of the clouds do not advance";
         return out.too_little(subject, why);
     };
-    // A time in seconds since 1970 spans nothing in float32: its unit is told by its size.
+    // In float32, times in seconds since 1970 do not change during a scan: their size shows the unit.
     let is_epoch_s = (1e8..1e11).contains(&largest);
     let unit_s = match clouds.unit(times) {
         Some((unit_s, _)) => unit_s,
         None if is_epoch_s => 1.0,
         None => {
-            return out.too_little(subject, format!("`{}` spans a scan in no unit that is known", times.field));
+            return out.too_little(
+                subject,
+                format!(
+                    "the unit of `{}` is unknown: its span matches the scan period in no unit",
+                    times.field
+                ),
+            );
         }
     };
     let share = step * unit_s / period_s;
     let measured = [
-        Measured::new("step of the times, over a scan", share, "1").limit(limits.max_share),
+        Measured::new("step of the times as a share of a scan", share, "1").limit(limits.max_share),
         Measured::new("step of the times", step * unit_s, "s"),
     ];
     if share <= limits.max_share {
         return out.pass(subject, measured);
     }
     let message = format!(
-        "`{}` on `{}` is a {} as large as {largest:.0}: two neighbouring times are {:.3} s apart, where a scan takes {period_s:.3} s",
-        times.field,
+        "`{}`: `{}` ({}) has steps of {:.3} s, but a scan takes {period_s:.3} s",
         clouds.topic.topic,
+        times.field,
         times.datatype,
         step * unit_s
     );
     let finding = Finding::error(subject, message, clouds.place())
         .relation("precision")
-        .help("publish times from the beginning of the scan, or in float64");
+        .detail(format!(
+            "Its values are as large as {largest:.0}, where two neighbouring {} numbers are that far apart.",
+            times.datatype
+        ))
+        .help("publish times from the start of the scan, or in float64");
     out.fail(finding.measured(measured));
 }

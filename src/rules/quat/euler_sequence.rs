@@ -1,5 +1,4 @@
-//! QUAT03: angles that give another source's rotation, or the turning of the gyro, once they are put together in another
-//! order.
+//! QUAT03: Euler angles that match another source's rotation, or the gyro, only when composed in another order.
 
 use nalgebra::Isometry3;
 
@@ -56,8 +55,8 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     let stated = [pair.reference.rpy, pair.other.rpy];
     if !stated.into_iter().flatten().any(|rpy| angles::can_tell(rpy, limits)) {
         let why = format!(
-            "fewer than two of the angles lie more than {} deg off the axes: what their order changes, a quarter turn may \
-             change as well",
+            "fewer than two of the angles are more than {} deg off the axes, so another order cannot be distinguished from a rotation by \
+             90 deg",
             limits.off_axis_deg
         );
         return out.too_little(subject, why);
@@ -74,18 +73,18 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limit
     };
     let unit = match found.unit {
         Unit::Right => "",
-        Unit::Degrees => ", and taken for degrees",
-        Unit::Radians => ", and taken for radians",
+        Unit::Degrees => " in degrees",
+        Unit::Radians => " in radians",
     };
     let message = format!(
-        "the angles of {} give the rotation that {} states when they are put together as {}{unit}, to {:.3} deg; read as ROS does, \
-         {}, they are {:.2} deg away{}",
-        angles.who,
-        against.who,
+        "Euler angles of {} are in another order than ROS's ({:.2} deg from {})",
+        angles.who, found.apart_deg, against.who
+    );
+    let detail = format!(
+        "Composed as {}{unit} they match it to {:.3} deg; ROS composes {}.{}",
         found.order.product(),
         found.left_deg,
         Order::ROS.product(),
-        found.apart_deg,
         also(&found.alike),
     );
     let [roll, pitch, yaw] = Order::ROS.numbers_of(&found.meant).unwrap_or([f64::NAN; 3]);
@@ -93,12 +92,15 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limit
     let q = Order::ROS.compose([r, p, y]).coords;
     let claim = angles.claim(world);
     let write = if claim.is_some_and(Claim::is_published) {
-        format!("yaw, pitch, roll {yaw:.6} {pitch:.6} {roll:.6} rad for {} (static_transform_publisher reads them in this order)", angles.who)
+        format!(
+            "yaw, pitch, roll {yaw:.6} {pitch:.6} {roll:.6} rad for {} (the argument order of static_transform_publisher)",
+            angles.who
+        )
     } else {
         format!("roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {}", angles.who)
     };
     let help = format!(
-        "if {} is right, write {write}; if the angles are right as ROS reads them, the rotation is x y z w = {:.6} {:.6} {:.6} {:.6}",
+        "if {} is right, write {write}; if the angles are right as ROS reads them, write x y z w = {:.6} {:.6} {:.6} {:.6} there",
         against.who, q.x, q.y, q.z, q.w
     );
     let is_sure = found.alike.is_empty() && pair.reading() >= Confidence::Certain;
@@ -107,19 +109,25 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limit
         restated(world, claim, &Isometry3::from_parts(translation, found.meant))
     });
     let finding = Finding::error(subject, message, pair.other.place.clone());
-    with_fix(finding, "write the angles in the order that is read", Safety::ChangesBehaviour, edits)
-        .help(help)
-        .relation(word(found))
-        .measured(
-            Measured::new("rotation difference", found.apart_deg, "deg")
-                .turn()
-                .limit(limits.equal_deg),
-        )
-        .measured(Measured::new("left by the order", rounded(found.left_deg), "deg").limit(limits.left_deg))
-        .measured(Measured::count("other orders that give the same", found.alike.len()))
+    with_fix(
+        finding,
+        "write the angles in the order that ROS reads",
+        Safety::ChangesBehaviour,
+        edits,
+    )
+    .detail(detail)
+    .help(help)
+    .relation(word(found))
+    .measured(
+        Measured::new("rotation difference", found.apart_deg, "deg")
+            .turn()
+            .limit(limits.equal_deg),
+    )
+    .measured(Measured::new("residual in that order", rounded(found.left_deg), "deg").limit(limits.left_deg))
+    .measured(Measured::count("other orders that give the same", found.alike.len()))
 }
 
-/// The word of the relation dictionary where it has one for this order.
+/// The word of the relation dictionary, if it has one for this order.
 fn word(found: &Explained) -> String {
     let word = found.order.word();
     let own = match (word.as_str(), found.of_other) {
@@ -135,20 +143,20 @@ fn word(found: &Explained) -> String {
     }
 }
 
-/// The orders that cannot be told from the one that is named; all of them would be too many.
+/// Some of the orders that cannot be distinguished from the named one.
 fn also(alike: &[Order]) -> String {
     let products: Vec<String> = alike.iter().take(2).map(|order| order.product()).collect();
     match alike.len() {
         0 => String::new(),
         more if more > products.len() => {
             let rest = more - products.len();
-            format!(" (indistinguishable here: {} and {rest} more)", products.join(", "))
+            format!(" Indistinguishable here: {} and {rest} more.", products.join(", "))
         }
-        _ => format!(" (indistinguishable here: {})", products.join(", ")),
+        _ => format!(" Indistinguishable here: {}.", products.join(", ")),
     }
 }
 
-/// What floating point leaves of nothing differs between machines.
+/// Rounds to zero what differs between machines.
 fn rounded(left_deg: f64) -> f64 {
     if left_deg < 1e-6 { 0.0 } else { left_deg }
 }
@@ -164,13 +172,13 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
         (None, Turn::Agree | Turn::Tilting) if turned.shows_order() => {
             let [x, y, z] = turned.correlations().map(|value| value.unwrap_or(f64::NAN));
             let least = x.min(y).min(z);
-            let measured = Measured::new("least correlation of an axis with the gyro", least, "1");
+            let measured = Measured::new("lowest correlation of an axis with the gyro", least, "1");
             out.pass(subject, [measured]);
         }
         (None, Turn::Agree | Turn::Tilting) => {
             let [x, y, z] = turned.rates_deg_s();
             let why = format!(
-                "it turns about one axis alone ({x:.1}, {y:.1} and {z:.1} deg/s about x, y and z): another order of its angles would \
+                "it rotates about one axis alone ({x:.1}, {y:.1} and {z:.1} deg/s about x, y and z), so another order of its angles would \
                  not show"
             );
             out.too_little(subject, why);
@@ -184,20 +192,23 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
 fn of_sensor(imu: &Imu, subject: String, ordered: &Ordered) -> Finding {
     let product = ordered.order.product();
     let message = format!(
-        "the quaternion of `{}` was put together as {product}: taken apart so and put together as {}, {:.1} % of the gyro's turning \
-         is left unexplained in place of {:.1} %{}",
+        "`{}`: quaternion is composed as {product} (residual {:.1} %)",
         imu.stream.topic,
+        100.0 * ordered.as_published
+    );
+    let detail = format!(
+        "Recomposed as {}, it leaves {:.1} % of the gyro's rotation unexplained.{}",
         Order::ROS.product(),
         100.0 * ordered.residual,
-        100.0 * ordered.as_published,
         also(&ordered.alike),
     );
     let help = format!(
-        "where the driver makes the quaternion, use {} (tf2 `setRPY(roll, pitch, yaw)`; scipy `from_euler('ZYX', [yaw, pitch, roll])`)",
+        "compose the quaternion as {} in the driver (tf2 `setRPY(roll, pitch, yaw)`; scipy `from_euler('ZYX', [yaw, pitch, roll])`)",
         Order::ROS.product()
     );
     Finding::error(subject, message, imu.stream.place())
         .likely()
+        .detail(detail)
         .help(help)
         .relation(ordered.order.word())
         .measured(Measured::new("residual as published", ordered.as_published, "1").samples(ordered.windows))

@@ -1,4 +1,4 @@
-//! QUAT05: quaternions of programs that use, or used, JPL's algebra.
+//! QUAT05: quaternions of programs that use, or used, JPL's convention.
 
 use crate::rules::prelude::*;
 use crate::world::{Doubt, World, conventions::Subject};
@@ -13,18 +13,19 @@ impl Rule for JplProvenance {
         for claim in &world.claims {
             if let Some(Doubt::Algebra(doubt)) = &claim.doubt {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
-                judge_one(world, subject, doubt, &claim.place, out);
+                let what = format!("`{}`: quaternion", claim.label);
+                judge_one(world, (subject, what.as_str()), doubt, &claim.place, out);
             }
         }
         for states in &world.jpl {
             let subject = format!("quaternions of {}", world.path(states.place.source));
-            judge_one(world, subject, &states.value, &states.place, out);
+            judge_one(world, (subject, "quaternions"), &states.value, &states.place, out);
         }
     }
 }
 
-fn judge_one(world: &World, subject: String, doubt: &str, place: &Place, out: &mut Judge) {
-    let count = |open: usize| Measured::count("algebras that it may be of", open).limit(1.0);
+fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place: &Place, out: &mut Judge) {
+    let count = |open: usize| Measured::count("possible algebras", open).limit(1.0);
     let file = Subject {
         file: world.path(place.source),
         ..Subject::default()
@@ -36,13 +37,16 @@ fn judge_one(world: &World, subject: String, doubt: &str, place: &Place, out: &m
     if is_declared {
         return out.pass(subject, [count(1)]);
     }
-    let message = format!("the algebra of {subject} is not told by the file: {doubt}");
+    let message = format!("{what} may be Hamilton or JPL: the file does not state which");
     let finding = Finding::note(subject, message, place.clone())
         .hint()
-        .label("Hamilton's or JPL's")
+        .label("Hamilton or JPL")
+        .detail(format!(
+            "Reason: {doubt}. In the other convention the same numbers are the inverse rotation."
+        ))
         .help(
-            "in JPL's algebra the same numbers are the inverse rotation: find out which program wrote them, and say it in frames-lint.yaml: \
-             `conventions: [{file: ..., quaternion: {algebra: jpl}}]`",
+            "declare the convention of the program that wrote the file in frames-lint.yaml: \
+             `conventions: [{file: ..., quaternion: {algebra: jpl}}]` (or `hamilton`)",
         );
     out.fail(finding.measured(count(2)));
 }

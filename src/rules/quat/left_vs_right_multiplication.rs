@@ -1,4 +1,4 @@
-//! QUAT04: a constant between two orientations stands on the side that frame names and mounts claim.
+//! QUAT04: whether a constant rotation between two orientations is on the side that frame names and mountings state.
 
 use nalgebra::UnitQuaternion;
 
@@ -40,16 +40,16 @@ fn judge_bag(world: &Estimates, motion: &Motion, bag: &BagMotion, limits: &Limit
     let all = oriented(world, motion, bag);
     let mut off = Vec::new();
     for (index, b) in all.iter().enumerate().skip(1) {
-        // The first that it claims something in common with speaks for the others.
+        // It is compared with the first orientation that states a common frame.
         let mut before = all.iter().take(index);
         let Some((a, claim)) = before.find_map(|a| Some((a, Claim::of(world, a, b)?))) else {
-            let why = "its frames are those of no other orientation, and nothing ties them: any constant may stand on either side";
+            let why = "its frames are neither those of another orientation nor tied to them: a constant rotation on either side is allowed";
             out.missing(&b.subject, why);
             continue;
         };
         off.extend(judge_pair(a, b, claim, limits, out));
     }
-    tell_once(off, "differ likewise", out);
+    tell_once(off, "differ in the same way", out);
 }
 
 fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &mut Judge) -> Option<Finding> {
@@ -61,7 +61,7 @@ fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &m
     let pairs = pairs(a, b, &claim, limits);
     if pairs.len() < limits.min_pairs {
         return little(format!(
-            "{} orientations at the same times, {} are needed",
+            "only {} orientations at the same times, {} are needed",
             pairs.len(),
             limits.min_pairs
         ));
@@ -70,12 +70,12 @@ fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &m
     let turned_deg = found.turned_rad.to_degrees();
     if turned_deg < limits.min_turn_deg {
         return little(format!(
-            "they turn by {turned_deg:.0} deg, {} deg are needed to tell the world's side from the body's",
+            "they rotate by only {turned_deg:.0} deg, {} deg are needed to distinguish the world's side from the body's",
             limits.min_turn_deg
         ));
     }
     let is_constant = |constant: &Constant| constant.spread_rad.to_degrees() <= limits.max_spread_deg;
-    // Where the bodies are tied, a change of the world is what is left; else a change of the body.
+    // If the bodies are tied, only the world may differ; else only the body.
     let (claimed, other) = if claim.bodies.is_some() {
         (found.left, found.right)
     } else {
@@ -87,7 +87,7 @@ fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &m
         && other.mean.angle().to_degrees() >= limits.min_constant_deg;
     if !is_constant(&claimed) && !is_other {
         return little(format!(
-            "no one constant lies between them: the spread is {:.0} deg on the world's side, {:.0} deg on the body's",
+            "they do not differ by a constant rotation: the spread is {:.0} deg on the world's side, {:.0} deg on the body's",
             found.left.spread_rad.to_degrees(),
             found.right.spread_rad.to_degrees()
         ));
@@ -110,13 +110,13 @@ fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
             .samples(pairs as u64)
     };
     [
-        spread("spread of a change of the world", &found.left),
-        spread("spread of a change of the body", &found.right),
-        Measured::new("turned", found.turned_rad.to_degrees(), "deg").limit(limits.min_turn_deg),
+        spread("spread of a constant world rotation", &found.left),
+        spread("spread of a constant body rotation", &found.right),
+        Measured::new("rotation", found.turned_rad.to_degrees(), "deg").limit(limits.min_turn_deg),
     ]
 }
 
-/// Orientations of both at the times of `a`, of one body where the bodies are tied.
+/// Orientations of both at the times of `a`; of the same body if the bodies are tied.
 fn pairs(
     a: &Oriented,
     b: &Oriented,
@@ -141,10 +141,10 @@ fn contradiction(
 ) -> Finding {
     let degrees = constant.mean.angle().to_degrees();
     let axis = constant.mean.axis().map_or_else(String::new, |axis| {
-        format!(" about ({:+.2}, {:+.2}, {:+.2})", axis.x, axis.y, axis.z)
+        format!("The axis is ({:+.2}, {:+.2}, {:+.2}). ", axis.x, axis.y, axis.z)
     });
     let name = |frame: &Option<crate::world::FrameId>| frame.as_ref().map_or("?", |frame| frame.as_str()).to_owned();
-    let (message, help) = if claim.bodies.is_some() {
+    let (side, why, help) = if claim.bodies.is_some() {
         let (one, other) = (name(&a.body), name(&b.body));
         let tied = if one == other {
             format!("both are of `{one}`")
@@ -152,27 +152,29 @@ fn contradiction(
             format!("TF ties `{other}` to `{one}`")
         };
         (
-            format!(
-                "{} and {} differ by a constant in the body, {degrees:.0} deg{axis}, multiplied from the right, though {tied}",
-                b.subject, a.subject
-            ),
-            "a change of the world belongs on the left, `new_from_world * world_from_body`; if the body is another one, give it a frame \
-             of its own, or fix its mount in TF",
+            "body",
+            format!("It multiplies from the right, although {tied}."),
+            "multiply a change of the world from the left, `new_from_world * world_from_body`; if the body is another one, give it its \
+             own frame, or correct its mounting in TF",
         )
     } else {
         (
+            "world",
             format!(
-                "{} and {} are both expressed in `{}`, yet differ by a constant of the world, {degrees:.0} deg{axis}, multiplied from the left",
-                b.subject,
-                a.subject,
+                "It multiplies from the left, although both are expressed in `{}`.",
                 name(&a.world)
             ),
-            "two worlds of one name: give one another name and tie them by TF; a change of the body belongs on the right, \
+            "rename one of the two worlds and tie them by TF; multiply a change of the body from the right, \
              `world_from_body * body_from_new`",
         )
     };
+    let message = format!(
+        "{} and {} differ by a constant {side} rotation of {degrees:.0} deg",
+        b.subject, a.subject
+    );
     let finding = Finding::warning(subject, message, b.place.clone())
         .likely()
+        .detail(format!("{axis}{why}"))
         .help(help)
         .related(a.place.clone(), a.subject.clone());
     let near = |turn: &&AxisTurn| constant.mean.angle_to(&turn.quaternion()).to_degrees() <= limits.named_deg;

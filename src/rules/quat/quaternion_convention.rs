@@ -1,4 +1,4 @@
-//! QUAT01: an orientation against the integral of its gyro.
+//! QUAT01: an orientation compared with the integral of its gyro.
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Turn};
@@ -27,54 +27,51 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned
             .limit(turned.limit)
             .samples(windows),
         Measured::new("residual of the inverse", turned.inverse.residual, "1").samples(windows),
-        Measured::new("residual read as w x y z", turned.reordered.residual, "1").samples(windows),
+        Measured::new("residual read as w, x, y, z", turned.reordered.residual, "1").samples(windows),
         Measured::new("rotation", turned.rotation_deg, "deg").limit(limits.min_rotation_deg),
     ];
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
     }
     let what = match turned.class {
-        Turn::Reordered => "follows its gyro only when the four numbers are read as w, x, y, z".to_owned(),
-        Turn::ReorderedInverse => {
-            "follows its gyro only when the four numbers are read as w, x, y, z, of the inverse".to_owned()
-        }
+        Turn::Reordered => "follows its gyro only when read as w, x, y, z".to_owned(),
+        Turn::ReorderedInverse => "follows its gyro only when read as w, x, y, z and inverted".to_owned(),
         Turn::Partly => {
             let axis = turned.axis.and_then(|axis| ["x", "y", "z"].get(axis)).unwrap_or(&"one");
-            format!("follows its gyro about one axis, and not about {axis}")
+            format!("does not follow its gyro about {axis}")
         }
-        Turn::Ordered => "follows its gyro only when its angles are put together in another order".to_owned(),
+        Turn::Ordered => "follows its gyro only with its Euler angles in another order".to_owned(),
         Turn::Unrelated => "is not the integral of its gyro".to_owned(),
-        Turn::OneOf(_) => {
-            "follows its gyro only when it is read in another way, of which several serve alike".to_owned()
-        }
-        _ => "turns against its gyro".to_owned(),
+        Turn::OneOf(_) => "follows its gyro only in another convention".to_owned(),
+        _ => "rotates opposite to its gyro".to_owned(),
     };
     let message = format!(
-        "the orientation of `{}` {what}: over {:.0} deg of rotation {:.0} % of the gyro's turning is left unexplained as published, \
-         {:.0} % by the inverse, {:.0} % read as w x y z{}{}",
+        "`{}`: orientation {what} (residual {:.0} %)",
         imu.stream.topic,
-        turned.rotation_deg,
-        100.0 * turned.as_published.residual,
-        100.0 * turned.inverse.residual,
-        100.0 * turned.reordered.residual,
-        if turned.class == Turn::Unrelated {
-            format!(
-                ", {:.0} % with the gyro's axes changed or negated",
-                100.0 * turned.other_axes
-            )
-        } else {
-            String::new()
-        },
-        sensor.diagnosis.words()
+        100.0 * turned.as_published.residual
     );
+    let other_axes = if turned.class == Turn::Unrelated {
+        format!(
+            " With the gyro's axes permuted or negated it is {:.0} %.",
+            100.0 * turned.other_axes
+        )
+    } else {
+        String::new()
+    };
+    let detail =
+        format!("The residual is the part of the gyro's rotation that the orientation does not explain.{other_axes}");
     let otherwise = match turned.class {
         Turn::Partly => {
-            "look at the order in which roll, pitch and yaw are put together: ROS is Rz(yaw) Ry(pitch) Rx(roll)"
+            "correct the order in which roll, pitch and yaw are composed: ROS uses Rz(yaw) Ry(pitch) Rx(roll)"
         }
-        Turn::Unrelated => "look for fields of another message, degrees for radians, or an Euler order",
-        _ => "compare the driver's axes of orientation and gyro: both are of the sensor's frame (REP-145)",
+        Turn::Unrelated => {
+            "check for fields filled from another message, degrees instead of radians, or a wrong Euler order"
+        }
+        _ => "make the driver publish orientation and gyro in the same axes: both are of the sensor's frame (REP-145)",
     };
-    let finding = Finding::error(subject, message, imu.stream.place()).likely();
+    let finding = Finding::error(subject, message, imu.stream.place())
+        .likely()
+        .detail(detail);
     let finding = if turned.class == Turn::Unrelated {
         finding.relation(UNEXPLAINED)
     } else {

@@ -1,5 +1,5 @@
-//! QUAT02: quaternions of one file in two orders, or in another one than their key says; and of a recording in another
-//! one than ROS has.
+//! QUAT02: quaternions of one file in two orders, or in another order than their key states; and of a recording in another order
+//! than ROS's.
 
 mod level;
 
@@ -45,7 +45,7 @@ impl Rule for QuaternionOrderStatic {
     }
 }
 
-/// Only an exact identity in the other order says something: half a turn about x or z is rare, but real.
+/// Only an exact identity in the other order contradicts: a rotation by 180 degrees about x or z is rare, but real.
 fn contradicts(said: Slot, listed: &Listed) -> bool {
     let is_zero = |value: &f64| *value == 0.0;
     let [first, rest @ ..] = listed.written;
@@ -57,7 +57,7 @@ fn judge_bare(world: &World, source: SourceId, listed: &[Listed], right: &mut Ta
     let (first, last) = (of(Slot::First).count(), of(Slot::Last).count());
     match (of(Slot::First).next(), of(Slot::Last).next()) {
         (Some(one), Some(other)) => {
-            // The rarer order is the slip; of equals, w first, which nothing in ROS reads.
+            // The rarer order is the error; if they are equally frequent, w first, which nothing in ROS reads.
             let (odd, usual) = if first <= last { (one, other) } else { (other, one) };
             out.fail(mixed(world, odd, usual, first, last));
         }
@@ -68,11 +68,8 @@ fn judge_bare(world: &World, source: SourceId, listed: &[Listed], right: &mut Ta
 
 fn mixed(world: &World, odd: &Listed, usual: &Listed, first: usize, last: usize) -> Finding {
     let message = format!(
-        "`{}` is {} and `{}` of the same file is {}: one has its scalar first, the other last",
-        odd.claim.label,
-        odd.text(),
-        usual.claim.label,
-        usual.text()
+        "`{}` and `{}` are in different quaternion orders",
+        odd.claim.label, usual.claim.label
     );
     let word = if odd.slot == Slot::First { "wxyz" } else { "xyzw" };
     finding(
@@ -83,29 +80,36 @@ fn mixed(world: &World, odd: &Listed, usual: &Listed, first: usize, last: usize)
         last,
     )
     .related(usual.place(), "the other order")
+    .detail(format!(
+        "{} and {}: one has the scalar w first, the other last.",
+        odd.text(),
+        usual.text()
+    ))
     .help("write all quaternions of the file in one order, and name it in the key (x, y, z, w)")
 }
 
 fn scalar_first(world: &World, one: &Listed, first: usize) -> Finding {
     let message = format!(
-        "`{}` is {}: a small rotation with its scalar first, or half a turn about x with its scalar last; the file \
-         does not say which",
-        one.claim.label,
-        one.text()
+        "`{}` may be in the order w, x, y, z: the file does not state the order",
+        one.claim.label
     );
     finding(Finding::note(one.subject(world), message, one.place()).hint(), first, 0)
-        .help("name the four numbers in the file: ROS, tf2 and Eigen's memory read x y z w")
+        .detail(format!(
+            "{} is a small rotation with w first, or a rotation by 180 deg about x with w last.",
+            one.text()
+        ))
+        .help("name the order of the four numbers in the file: ROS, tf2 and Eigen's memory use x, y, z, w")
 }
 
 fn against_key(world: &World, one: &Listed, said: Slot) -> Finding {
     let word = if said == Slot::Last { "xyzw" } else { "wxyz" };
     let message = format!(
-        "the key `{}` says {word}, and {} is the identity in the other order",
+        "`{}` names the order {word}, but {} is the identity in the other order",
         one.claim.label,
         one.text()
     );
     finding(Finding::warning(one.subject(world), message, one.place()).hint(), 1, 0)
-        .help("write 0 0 0 1 for no rotation in the order x y z w, or correct the key")
+        .help("write 0 0 0 1 for no rotation in the order x, y, z, w, or correct the key")
 }
 
 fn finding(finding: Finding, first: usize, last: usize) -> Finding {

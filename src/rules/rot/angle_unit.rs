@@ -20,7 +20,7 @@ pub(crate) struct AngleUnit;
 pub(crate) struct Limits {
     /// How far over a full turn an angle in radians may be, radians.
     pub over_full_turn_rad: f64,
-    /// How near to a multiple of an eighth of a turn an angle over a full turn counts as meant in radians, radians.
+    /// How near to a multiple of 45 degrees an angle over a full turn counts as meant in radians, radians.
     pub eighth_rad: f64,
     /// Share of its angle by which a rotation in degrees may differ from another source's.
     pub share: f64,
@@ -45,14 +45,18 @@ impl Rule for AngleUnit {
                 let finding = finding(
                     world,
                     &angles,
-                    &format!("in degrees they are the rotation of {}", world.path(other.source)),
+                    format!("Read as degrees they are the rotation in {}.", world.path(other.source)),
                 );
                 out.fail(finding.measured(measured).related(other.place, "the same rotation"));
             } else if angles.rpy.iter().any(|angle| is_over_a_turn(*angle, limits)) {
                 out.fail(
-                    finding(world, &angles, "no angle is over a full turn (6.2832)")
-                        .likely()
-                        .measured(measured),
+                    finding(
+                        world,
+                        &angles,
+                        "An angle is larger than a full turn (6.2832 rad).".to_owned(),
+                    )
+                    .likely()
+                    .measured(measured),
                 );
             } else {
                 right.pass(angles.place.source, measured);
@@ -62,7 +66,7 @@ impl Rule for AngleUnit {
     }
 }
 
-/// Over a full turn, and no multiple of an eighth of a turn that somebody counted on.
+/// Over a full turn, and no multiple of 45 degrees in radians.
 fn is_over_a_turn(angle: f64, limits: &Limits) -> bool {
     let from_eighth = (angle / FRAC_PI_4 - (angle / FRAC_PI_4).round()).abs() * FRAC_PI_4;
     let counted = angle.abs() < 4.0 * TAU && angle.fract() != 0.0 && from_eighth <= limits.eighth_rad;
@@ -90,15 +94,16 @@ fn in_degrees_of(angles: &Angles, pairs: &Pairs, limits: &Limits) -> Option<Stat
         })
 }
 
-fn finding(world: &World, angles: &Angles, why: &str) -> Finding {
+fn finding(world: &World, angles: &Angles, detail: String) -> Finding {
     let [roll, pitch, yaw] = angles.rpy;
     let message = format!(
-        "the angles {roll} {pitch} {yaw} of {} look like degrees where radians are read: {why}",
+        "the angles {roll} {pitch} {yaw} of {} are probably degrees, but are read as radians",
         angles.name
     );
     let finding = Finding::error(angles.subject(world), message, angles.place.clone())
         .label("degrees?")
-        .help("write radians: degrees times pi/180 (90 degrees are 1.5707963267948966); in xacro `${radians(90)}`")
+        .detail(detail)
+        .help("write radians, degrees times pi/180 (90 degrees are 1.5707963267948966); in xacro `${radians(90)}`")
         .relation("degrees");
     let edits = angles
         .radian_literals()

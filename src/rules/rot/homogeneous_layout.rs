@@ -25,7 +25,7 @@ impl Rule for HomogeneousLayout {
             }
             let Some(row) = parts.bottom_row() else {
                 out.not_applicable(
-                    parts.subject(world), "not a 4x4 matrix: it has no bottom row",
+                    parts.subject(world), "not a 4x4 matrix, so it has no bottom row",
                 );
                 continue;
             };
@@ -55,14 +55,14 @@ fn deviation([a, b, c, d]: [f64; 4]) -> Measured {
 
 fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
     let message = format!(
-        "the matrix `{}` is stored transposed: its last column is 0 0 0 1 and the translation stands in the bottom row",
+        "matrix `{}` is stored transposed: the translation is in its bottom row, not in the last column",
         parts.claim.label
     );
     let finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
         .label("translation in the bottom row")
         .help(
-            "write the matrix row by row with the translation in the last column: a reader of this file takes the \
-               rotation for its inverse and the translation for zero",
+            "write the matrix row by row with the translation in the last column: readers of this file get the inverse \
+               rotation and no translation",
         )
         .measured(measured)
         .relation("transposed");
@@ -74,10 +74,10 @@ fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
     )
 }
 
-/// A 3x4 whose twelve numbers are a rotation and a translation column by column.
+/// A 3x4 matrix whose twelve numbers are a rotation and a translation column by column.
 fn by_columns(world: &World, parts: &Parts) -> Finding {
     let message = format!(
-        "the 3x4 matrix `{}` is stored column by column: row by row its first three columns are no rotation, column by column they are",
+        "3x4 matrix `{}` is stored column by column: row by row it holds no rotation",
         parts.claim.label
     );
     let error = orthogonality_error(&Matrix3::from_fn(|row, col| {
@@ -86,7 +86,7 @@ fn by_columns(world: &World, parts: &Parts) -> Finding {
     let finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
         .likely()
         .label("column-major")
-        .help("write it row by row, as KITTI, OpenCV and NumPy read it; Eigen's data() and OpenGL give columns")
+        .help("write the matrix row by row, as KITTI, OpenCV and NumPy read it; Eigen's data() and OpenGL give columns")
         .measured(Measured::new(
             "orthogonality error row by row (Frobenius norm of R^T R - I)",
             error,
@@ -114,7 +114,7 @@ fn by_columns(world: &World, parts: &Parts) -> Finding {
     )
 }
 
-/// Every literal takes the text of its mirror image.
+/// Every literal takes the text of its transposed entry.
 fn transposing_edits(world: &World, parts: &Parts) -> Option<Vec<Edit>> {
     let mut edits = Vec::new();
     for row in 0..4 {
@@ -130,7 +130,7 @@ fn transposing_edits(world: &World, parts: &Parts) -> Option<Vec<Edit>> {
 
 fn wrong_row(world: &World, parts: &Parts, [a, b, c, d]: [f64; 4], measured: Measured) -> Finding {
     let message = format!(
-        "the bottom row of the matrix `{}` is {a} {b} {c} {d}, not 0 0 0 1",
+        "the bottom row of matrix `{}` is {a} {b} {c} {d}, not 0 0 0 1",
         parts.claim.label
     );
     let place = parts.literal(3, 0).zip(parts.literal(3, 3)).map_or_else(
@@ -139,12 +139,12 @@ fn wrong_row(world: &World, parts: &Parts, [a, b, c, d]: [f64; 4], measured: Mea
     );
     let is_zero = [a, b, c, d].iter().all(|entry| *entry == 0.0);
     let finding = if is_zero {
-        // SLICT and SVO-Pro ship such matrices: their readers take the upper three rows only.
+        // SLICT and SVO-Pro ship such matrices: their readers use the upper three rows only.
         Finding::note(parts.subject(world), message, place)
-            .help("end the row in 1: a reader that multiplies by the full matrix gets no transform")
+            .help("write 1 as the last number of the row: a reader that multiplies by the full matrix gets no transform")
     } else {
         Finding::error(parts.subject(world), message, place)
-            .help("a rigid transform ends in the row 0 0 0 1: look for a lost number, or for another layout")
+            .help("write 0 0 0 1 as the bottom row, or look for a lost number or another layout")
     };
     finding.label("bottom row").measured(measured)
 }

@@ -1,4 +1,4 @@
-//! ROT07: a sensor mounted exactly nowhere, or exactly where another one is.
+//! ROT07: a sensor with an identity mounting transform, or with that of another sensor.
 
 use nalgebra::Isometry3;
 
@@ -16,7 +16,7 @@ impl Rule for IdentityOrPlaceholder {
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("sensor mountings");
         let all = mountings(world);
-        // Only the earlier ones: of a pair of copies the later one is told.
+        // Only the earlier ones: of a pair of copies the later one is reported.
         let mut earlier = Copies::default();
         for mounting in &all {
             let copied_from = (!mounting.is_identity()).then(|| earlier.copied(mounting)).flatten();
@@ -42,9 +42,9 @@ fn measured(parent_from_sensor: &Isometry3<f64>) -> Measured {
 
 fn identity(world: &World, mounting: &Mounting) -> Finding {
     let how = if mounting.is_unstated {
-        "no origin is given, which means identity"
+        "it has no `<origin>`, which means identity"
     } else {
-        "the transform is exactly identity"
+        "the transform is the identity"
     };
     let message = format!(
         "`{}` is mounted exactly at `{}`: {how}",
@@ -53,21 +53,20 @@ fn identity(world: &World, mounting: &Mounting) -> Finding {
     Finding::warning(subject(world, mounting), message, mounting.place.clone())
         .hint()
         .label("a placeholder?")
-        .help(
-            "write the measured mounting; if the two frames coincide by design, say so in a comment and waive this hint",
-        )
+        .help("write the measured mounting transform; if the two frames coincide by design, waive this hint")
         .measured(measured(&mounting.parent_from_sensor))
 }
 
 fn copy(world: &World, mounting: &Mounting, original: &Mounting) -> Finding {
     let message = format!(
-        "`{}` is mounted on `{}` with exactly the numbers of `{}`: two sensors of one kind cannot share a place",
+        "`{}` is mounted on `{}` exactly where `{}` is",
         mounting.sensor, mounting.parent, original.sensor
     );
     Finding::warning(subject(world, mounting), message, mounting.place.clone())
         .hint()
         .label("a copy?")
-        .help("write the measured mounting of this sensor")
+        .detail("Two sensors of one kind cannot be in the same place: the numbers were probably copied.")
+        .help("write the measured mounting transform of this sensor")
         .related(original.place.clone(), "the same numbers")
         .measured(measured(&mounting.parent_from_sensor))
 }

@@ -26,11 +26,11 @@ impl Rule for NonFiniteOrZero {
         }
         for stated in quaternions::stated(world) {
             if quaternion_norm(stated.xyzw) <= quaternions::ZERO_NORM {
-                let message = format!("the quaternion of {} is all zeros: it states no rotation", stated.name);
+                let message = format!("the quaternion of {} is all zeros, which is no rotation", stated.name);
                 let place = cover(stated.literals, &stated.place);
                 let finding = Finding::error(stated.subject(world), message, place)
                     .label("0 0 0 0")
-                    .help("write the measured rotation, or 0 0 0 1 (x y z w) where none is meant")
+                    .help("write the measured rotation, or 0 0 0 1 (x y z w) for no rotation")
                     .measured(Measured::new("norm of the quaternion", 0.0, "1").limit(1.0));
                 out.fail(finding);
             }
@@ -47,20 +47,29 @@ impl Rule for NonFiniteOrZero {
 fn judge_robot(world: &World, robot: &Robot, right: &mut Tally, out: &mut Judge) {
     for numbers in number_lists(robot) {
         let broken: Vec<&Literal> = numbers.literals.iter().filter(|l| is_spelled_non_finite(l)).collect();
-        let subject = || format!("{} of {}", numbers.owner, world.path(robot.source));
-        report(subject, &broken, numbers.literals.len(), &numbers.place, right, out);
+        let named = || {
+            let name = numbers.owner.to_string();
+            (format!("{name} of {}", world.path(robot.source)), name)
+        };
+        report(named, &broken, numbers.literals.len(), &numbers.place, right, out);
     }
 }
 
-/// Masses and moments have no literals in the world; their element is the place.
+/// Masses and moments of inertia have no literals in the world; their element is the place.
 fn judge_inertials(world: &World, robot: &Robot, out: &mut Judge) {
     for link in &robot.links {
         let Some(body) = &link.inertial else { continue };
         let numbers = body.mass_kg.into_iter().chain(body.inertia.into_iter().flatten());
         let broken = numbers.filter(|number| !number.is_finite()).count();
         if broken > 0 {
-            let subject = format!("inertial of link `{}` of {}", link.name.value, world.path(robot.source));
-            out.fail(not_finite(subject, "NaN or infinite", broken, body.place.clone()));
+            let name = format!("inertial of link `{}`", link.name.value);
+            let subject = format!("{name} of {}", world.path(robot.source));
+            out.fail(not_finite(
+                (subject, name),
+                "NaN or infinite",
+                broken,
+                body.place.clone(),
+            ));
         }
     }
 }
@@ -68,13 +77,14 @@ fn judge_inertials(world: &World, robot: &Robot, out: &mut Judge) {
 fn judge_file(world: &World, claim: &Claim, right: &mut Tally, out: &mut Judge) {
     let literals = claim.translation_literals.iter().chain(&claim.rotation_literals);
     let broken: Vec<&Literal> = literals.filter(|literal| !literal.value.is_finite()).collect();
-    let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
+    let name = format!("`{}`", claim.label);
+    let named = (format!("{name} of {}", world.path(claim.place.source)), name);
     let numbers = spelled(&claim.spelling);
     if broken.is_empty() && numbers.iter().any(|number| !number.is_finite()) {
         // The text of the numbers is not known: the statement as a whole is the place.
-        out.fail(not_finite(subject, "NaN or infinite", 1, claim.place.clone()));
+        out.fail(not_finite(named, "NaN or infinite", 1, claim.place.clone()));
     } else {
-        report(|| subject, &broken, numbers.len(), &claim.place, right, out);
+        report(|| named, &broken, numbers.len(), &claim.place, right, out);
     }
 }
 
@@ -87,9 +97,10 @@ fn spelled(spelling: &Spelling) -> Vec<f64> {
     }
 }
 
-/// One finding for all broken numbers of a statement, or one more statement that is right.
+/// One finding for all broken numbers of a statement, or one more statement that is right. `named` gives the subject, and the name for
+/// the message.
 fn report(
-    subject: impl FnOnce() -> String,
+    named: impl FnOnce() -> (String, String),
     broken: &[&Literal],
     total: usize,
     whole: &Place,
@@ -99,7 +110,7 @@ fn report(
     match broken.first() {
         Some(first) => {
             let place = Place::text(whole.source, first.span);
-            out.fail(not_finite(subject(), &format!("`{}`", first.text), broken.len(), place));
+            out.fail(not_finite(named(), &format!("`{}`", first.text), broken.len(), place));
         }
         None if total > 0 => right.pass(
             whole.source,
@@ -109,11 +120,12 @@ fn report(
     }
 }
 
-fn not_finite(subject: String, what: &str, count: usize, place: Place) -> Finding {
-    let message = format!("{subject} holds a number that is {what}: no transform can be computed from it");
+fn not_finite((subject, name): (String, String), what: &str, count: usize, place: Place) -> Finding {
+    let message = format!("{name} has a number that is {what}");
     Finding::error(subject, message, place)
         .label("not finite")
-        .help("write the measured number; a value that is not known is left out, not written as NaN")
+        .detail("No transform can be computed from it.")
+        .help("write the measured number; leave an unknown value out instead of writing NaN")
         .measured(Measured::count("numbers that are not finite", count).limit(0.0))
 }
 
@@ -130,12 +142,12 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, right: &mut Tally, out: &mut Jud
         };
         sound = false;
         let message = format!(
-            "{} of {} transforms {subject} {what}: tf2 drops them",
+            "{} of {} transforms {subject} {what}; tf2 drops them",
             faults.count, edge.count
         );
         let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
             .label("first broken transform")
-            .help("do not publish before the rotation is known, and check the node that computes it")
+            .help("check the node that computes the transform, and publish only once the rotation is known")
             .measured(
                 Measured::new("broken transforms", faults.count as f64, "count")
                     .limit(0.0)

@@ -1,4 +1,4 @@
-//! ROT04: a quaternion that is not of length one.
+//! ROT04: a quaternion that is not normalised.
 
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
@@ -55,19 +55,20 @@ fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tal
     }
     let severity = if dropped { Severity::Error } else { Severity::Warning };
     let message = format!(
-        "the quaternion of {} has the norm {norm:.6}: off by {:.1e}, and its printed digits explain {allowed:.1e}",
+        "the quaternion of {} is not normalised: its norm differs from 1 by {:.1e}",
         stated.name,
         error.abs()
     );
     let help = if dropped {
-        "tf2 of ROS 1 drops a transform with such a quaternion, that of ROS 2 normalises it: publish it normalised, and \
-         look for a wrong or a lost component"
+        "normalise it, and look for a wrong or lost component: tf2 of ROS 1 drops a transform with such a quaternion, tf2 of ROS 2 \
+         normalises it"
     } else {
-        "normalise it: readers that do not, scale and shear what they rotate"
+        "normalise it: a reader that does not normalise scales and shears what it rotates"
     };
     let place = cover(stated.literals, &stated.place);
     let finding = Finding::new(severity, stated.subject(world), message, place)
-        .label("not of length one")
+        .label(format!("norm {norm:.6}"))
+        .detail(format!("Rounding to the printed digits explains {allowed:.1e}."))
         .help(help)
         .measured(measured);
     if error.abs() >= limits.fix {
@@ -86,7 +87,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tal
     if let Some(example) = edge.denormalized.examples.first() {
         let norm = quaternion_norm(example.rotation);
         let message = format!(
-            "{} of {} transforms {subject} have a quaternion that is not of length one (norm {norm:.4}): ROS 1 drops them",
+            "{} of {} transforms {subject} have a quaternion of norm {norm:.4}; ROS 1 drops them",
             edge.denormalized.count, edge.count
         );
         let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
@@ -104,11 +105,12 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tal
         .samples(edge.count);
     if edge.worst_norm_error > limits.published {
         let message = format!(
-            "the quaternions of {subject} are off length one by up to {:.1e}: tf2 takes them as they are",
+            "the quaternions of {subject} are not normalised: their norm differs from 1 by up to {:.1e}",
             edge.worst_norm_error
         );
         let finding = Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone()))
             .label("first transform of this edge")
+            .detail("tf2 uses them without normalising.")
             .help("normalise the quaternion where it is published")
             .measured(measured);
         out.fail(finding);

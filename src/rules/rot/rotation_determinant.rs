@@ -1,4 +1,4 @@
-//! ROT01: a matrix that mirrors.
+//! ROT01: a rotation matrix that mirrors (determinant -1).
 
 use nalgebra::Rotation3;
 
@@ -43,7 +43,7 @@ impl Rule for RotationDeterminant {
                 out.not_evaluated(
                     parts.subject(world),
                     NotEvaluated::InputBroken,
-                    format!("the determinant {determinant:.4} is neither near 1 nor near -1: not a rotation at all"),
+                    format!("the determinant {determinant:.4} is neither near 1 nor near -1: it is no rotation matrix"),
                 );
             }
         }
@@ -68,20 +68,21 @@ fn reflection(world: &World, parts: &Parts, determinant: f64, pairs: &Pairs) -> 
     };
     let explanation = match (flip, &reference) {
         (None, _) => String::new(),
-        (Some(flip), None) => format!("; the simplest explanation is that {}", flip.describe()),
+        (Some(flip), None) => format!("The simplest explanation: {}.", flip.describe()),
         (Some(flip), Some(other)) => {
-            format!("; against {}, {}", world.path(other.source), flip.describe())
+            format!("Compared with {}: {}.", world.path(other.source), flip.describe())
         }
     };
     let message = format!(
-        "the matrix `{}` mirrors: its determinant is {determinant:.4}{explanation}",
+        "matrix `{}` is mirrored: its determinant is {determinant:.4}, not 1",
         parts.claim.label
     );
     let mut finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
-        .label("a left-handed set of axes")
+        .label("left-handed axes")
+        .detail(explanation)
         .help(
-            "a rigid sensor cannot be mounted mirrored: undo the sign of one axis or the exchange of two where the \
-             matrix was made; the nearest rotation would only hide it",
+            "correct the sign of one axis, or the exchange of two, where the matrix is computed; the nearest rotation would only hide \
+             the error",
         )
         .measured(Measured::new("determinant", determinant, "1").limit(1.0));
     if let Some(flip) = flip {
@@ -93,7 +94,7 @@ fn reflection(world: &World, parts: &Parts, determinant: f64, pairs: &Pairs) -> 
     }
 }
 
-/// The word of the relation for a slip that mirrors.
+/// The word of the relation for an error that mirrors.
 fn word(flip: Flip) -> &'static str {
     match flip {
         Flip::ColumnX | Flip::RowX => "mirrored-x",

@@ -1,4 +1,4 @@
-//! ROT10: what the angles that other rules found do to far points.
+//! ROT10: how far the angles that other rules found displace distant points.
 
 use crate::rules::{Review, prelude::*};
 use crate::verdict::{Outcome, PlaceRole, Row};
@@ -15,7 +15,7 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// How far sideways a turn moves points, metres: each distance with `r * sin(angle)`.
+    /// How far sideways a rotation moves points, metres: each distance with `r * sin(angle)`.
     fn sideways_m(&self, turn_deg: f64) -> [(f64, f64); 3] {
         let sine = turn_deg.to_radians().sin().abs();
         [self.near_m, self.middle_m, self.far_m].map(|range_m| (range_m, range_m * sine))
@@ -30,7 +30,7 @@ impl Limits {
 /// A smaller angle is 0.00 in words: 1 mm at 100 m.
 const LEAST_DEG: f64 = 0.005;
 
-/// The largest of the angles that are the turn of something, degrees, without its sign.
+/// The largest of the measured rotations, degrees, without its sign.
 fn turn_deg(measured: &[Measured]) -> Option<f64> {
     let turns = measured.iter().filter(|one| one.is_turn && one.unit == "deg");
     let angles = turns.map(|one| one.value.abs());
@@ -69,32 +69,32 @@ impl Review for RotationErrorBudget {
                 return out.pass(subject, std::iter::once(angle).chain(limits.measured(turn_deg)));
             }
             if beyond == 0 {
-                return out.not_applicable(subject, "no rule measured an angle that something is turned by");
+                return out.not_applicable(subject, "no rule measured a rotation error");
             }
-            let why = "the angles that were found are all beyond";
-            let why = format!("{why} {} deg: another direction altogether, no error of one", limits.max_deg);
+            let why = format!("all rotation errors are beyond {} deg: axes are wrong, not a mounting angle", limits.max_deg);
             return out.not_applicable(subject, why);
         };
         let Some(primary) = finding.places.iter().find(|label| label.role == PlaceRole::Primary) else {
             return;
         };
         let sideways = limits.sideways_m(turn_deg);
-        let told: Vec<String> = sideways
+        let moved: Vec<String> = sideways
             .iter()
             .map(|(range_m, m)| format!("{m:.2} m at {range_m} m"))
             .collect();
         let more = match others - 1 {
             0 => String::new(),
-            1 => "; one more finding tells what its angle does".to_owned(),
-            count => format!("; {count} more findings tell what their angles do"),
+            1 => "One more finding has such numbers for its angle.".to_owned(),
+            count => format!("{count} more findings have such numbers for their angles."),
         };
         let message = format!(
-            "the {turn_deg:.2} deg that {} finds move points sideways by {}{more}",
+            "the {turn_deg:.2} deg of {} move points sideways by {}",
             finding.rule,
-            told.join(", ")
+            moved.join(", ")
         );
         let note = Finding::note(subject, message, primary.place.clone())
-            .help("r * sin(angle): hold it against what the map, the labels or the planner need at the ranges that matter")
+            .detail(more)
+            .help("compare r * sin(angle) with the accuracy that the map, the labels or the planner need at the relevant ranges")
             .measured(Measured::new("angle", turn_deg, "deg").limit(limits.max_deg).samples(others));
         out.fail(note.measured(limits.measured(turn_deg)));
     }

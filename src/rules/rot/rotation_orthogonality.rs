@@ -1,4 +1,4 @@
-//! ROT02: a matrix whose axes are not perpendicular or not of length one.
+//! ROT02: a rotation matrix whose axes are not perpendicular or not of unit length.
 
 use nalgebra::Rotation3;
 
@@ -14,7 +14,7 @@ pub(crate) struct RotationOrthogonality;
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Error that no printing excuses, as the Frobenius norm of `R^T R - I`.
+    /// Error that no rounding excuses, as the Frobenius norm of `R^T R - I`.
     pub error: f64,
     /// The most that few printed digits may excuse.
     pub excused: f64,
@@ -63,20 +63,24 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
         Diagnosis::Scaled { factor } => Some(factor),
         _ => None,
     };
-    let cause = match scale {
-        Some(factor) => format!("all three axes have the length {factor:.6}, a scale is mixed in"),
-        None => format!("its printed digits explain {allowed:.1e}"),
+    let label = &parts.claim.label;
+    let (message, detail) = match scale {
+        Some(factor) => (
+            format!("matrix `{label}` is no rotation: it includes a scale factor of {factor:.6}"),
+            "All three axes have this length.".to_owned(),
+        ),
+        None => (
+            format!("matrix `{label}` is no rotation: R^T R differs from the identity by {error:.1e}"),
+            format!("Rounding to the printed digits explains {allowed:.1e}."),
+        ),
     };
-    let message = format!(
-        "the matrix `{}` is no rotation: R^T R differs from the identity by {error:.1e}; {cause}",
-        parts.claim.label
-    );
     let help = match scale {
-        Some(_) => "divide the rotation by the scale, and keep a similarity out of an extrinsic",
-        None => "print at least six decimals where the matrix is written, or correct the entry that is wrong",
+        Some(_) => "divide the rotation by the scale factor: an extrinsic is a rigid transform",
+        None => "print at least six decimals where the matrix is written, or correct the wrong entry",
     };
     let mut finding = Finding::new(severity, parts.subject(world), message, parts.claim.place.clone())
-        .label("not orthogonal")
+        .label("not orthonormal")
+        .detail(detail)
         .help(help)
         .measured(measured(error, allowed));
     if let Some(factor) = scale {
@@ -87,7 +91,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let Some(nearest) = nearest_rotation(&parts.rotation) else {
         return finding;
     };
-    // Somebody may have meant the scale.
+    // The scale may be intended.
     let safety = scale.map_or(Safety::Safe, |_| Safety::ChangesBehaviour);
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));

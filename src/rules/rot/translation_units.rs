@@ -16,9 +16,9 @@ pub(crate) struct TranslationUnits;
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Length from which a mounting is looked at, metres.
+    /// Length from which a mounting is judged, metres.
     pub far_m: f64,
-    /// Length from which a joint is looked at that stands among many much shorter ones, metres.
+    /// Length from which a joint among many much shorter ones is judged, metres.
     pub far_among_many_m: f64,
     /// How many other translations are many.
     pub many: usize,
@@ -43,20 +43,20 @@ impl Rule for TranslationUnits {
         let pairs = Pairs::new(world);
         let mut right = Tally::new("translations");
         for (source, group) in by_source(world) {
-            // The longest translation that nobody would doubt: what the rest of the source is measured by.
+            // The longest plausible translation: the reference for the others of the source.
             let usual = group
                 .iter()
                 .map(Stated::norm)
                 .filter(|norm| *norm < limits.far_m)
                 .fold(0.0, f64::max);
-            // Where many lie between the usual ones and the longest, none is odd: positions on a way, a map of landmarks.
+            // Where many are between the usual ones and the longest, none is an outlier: positions on a path, a map of landmarks.
             let between = |other: &&Stated| (limits.far_m..limits.outlier * usual).contains(&other.norm());
             let is_spread = group.iter().filter(between).count() > limits.many;
             let (longest, second) = two_longest(&group);
             let is_many = group.len() > limits.many;
             for stated in &group {
                 let is_near = stated.norm() < limits.far_m;
-                // A near one is measured by the longest of the others.
+                // A short one is compared with the longest of the others.
                 let usual = match (is_near, longest > stated.norm()) {
                     (false, _) => usual,
                     (true, true) => longest,
@@ -110,14 +110,14 @@ fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pair
             let (factor, unit) = unit.filter(|_| there.norm() >= 1e-3)?;
             let parallel = here.dot(&there) >= 0.999 * here.norm() * there.norm();
             let message = format!(
-                "the translation of {} is {factor} times that of {}: {unit} where metres are read",
-                stated.name,
-                world.path(other.source)
+                "the translation of {} is in {unit}, not metres: {factor} times that of the other source",
+                stated.name
             );
             let finding = Finding::error(subject(world, source, stated), message, stated.place.clone());
             parallel.then(|| {
                 finish(world, finding, source, stated, factor)
                     .relation(unit)
+                    .detail(format!("The same transform is in {}.", world.path(other.source)))
                     .related(other.place, "the same mounting in metres")
                     .measured(Measured::new("ratio of the lengths", ratio, "1").limit(factor))
             })
@@ -149,15 +149,17 @@ fn by_size(
         Severity::Warning
     };
     let why = match (is_ouster, usual > 0.0) {
-        (true, _) => "these are millimetres of Ouster's metadata".to_owned(),
-        (false, true) => format!("everything else here is within {usual:.3} m"),
-        (false, false) => "no sensor is mounted so far away".to_owned(),
+        (true, _) => "These are numbers of Ouster's metadata, which are in millimetres.".to_owned(),
+        (false, true) => format!("All other translations of this file are within {usual:.3} m."),
+        (false, false) => "No sensor is mounted so far away.".to_owned(),
     };
     let message = format!(
-        "the translation of {} is {norm:.3} m long, and {why}: millimetres where metres are read?",
+        "the translation of {} is {norm:.3} m long: probably in millimetres",
         stated.name
     );
-    let finding = Finding::new(severity, subject(world, source, stated), message, stated.place.clone()).likely();
+    let finding = Finding::new(severity, subject(world, source, stated), message, stated.place.clone())
+        .likely()
+        .detail(why);
     // A length that a big machine may have, with nothing to compare it with, is only worth a look.
     let lone = usual == 0.0 && norm < limits.impossible_m && !is_ouster;
     let finding = if lone { finding.hint() } else { finding };

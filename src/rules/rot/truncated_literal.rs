@@ -1,4 +1,4 @@
-//! ROT09: pi written with so few digits that far points are drawn elsewhere.
+//! ROT09: a multiple of pi written with so few digits that distant points are displaced.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub(crate) struct TruncatedLiteral;
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Distance at which the error is felt, metres.
+    /// Distance at which the lateral error is judged, metres.
     pub range_m: f64,
     /// Lateral error there that is worth a note, millimetres.
     pub lateral_mm: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Limits {
     pub shown: usize,
 }
 
-/// A number that stops short of what it means.
+/// A multiple of pi with too few digits.
 #[derive(Debug)]
 struct Truncated<'a> {
     name: String,
@@ -80,17 +80,16 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
     let worst = short.first()?;
     let place = |short: &Truncated| Place::text(source, short.literal.span);
     let error_mm = lateral_mm(worst.error_rad(), limits);
-    let (path, count) = (world.path(source), short.len());
-    let what = match count {
-        1 => format!("an angle of {path} is a truncated multiple of pi"),
-        _ => format!("{count} angles of {path} are truncated multiples of pi, the worst"),
+    let others = match short.len() - 1 {
+        0 => String::new(),
+        1 => " (and one more angle)".to_owned(),
+        count => format!(" (and {count} more angles)"),
     };
     let message = format!(
-        "{what}: `{}` of {} is {:.4} deg off, {error_mm:.0} mm at {} m",
+        "`{}` of {} is {:.4} deg off a multiple of pi{others}",
         worst.literal.text,
         worst.name,
         worst.error_rad().to_degrees(),
-        limits.range_m,
     );
     let edits = short
         .iter()
@@ -99,10 +98,14 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
     let subject = format!("truncated angles of {}", world.path(source));
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
+        .detail(format!(
+            "It has too few digits. At {} m this is {error_mm:.0} mm.",
+            limits.range_m
+        ))
         .help("write the angle with all digits; in xacro `${pi/2}`")
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
         .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
-    // Five digits are enough for most; that they are cut is still no accident.
+    // Five digits are enough for most uses: only a hint.
     let finding = if error_mm > limits.lateral_mm {
         finding
     } else {

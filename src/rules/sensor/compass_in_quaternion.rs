@@ -14,7 +14,7 @@ use crate::world::motion::{OrientationRow, PoseRow, Row};
 
 pub(crate) struct CompassInQuaternion;
 
-/// What a yaw can be held against, and the limits.
+/// What a yaw can be compared with, and the limits.
 struct Against<'a> {
     compasses: &'a [Compass],
     tracks: &'a Tracks,
@@ -51,7 +51,7 @@ impl Rule for CompassInQuaternion {
     }
 }
 
-/// Whether a stream is of poses on a topic that tell a way; of odometry AXES08 judges the turning.
+/// Whether a stream is of poses that form a track; the turning of odometry is judged by AXES08.
 fn is_way(stream: &Stream<PoseRow>) -> bool {
     let has_twist = stream.rows().any(|timed| timed.row.twist.is_some());
     stream.child.is_none() && !has_twist && stream.is_of_world() && !stream.is_earth_centred()
@@ -75,22 +75,23 @@ impl Against<'_> {
         match self.by_compasses(&yaws, false).or_else(by_tracks) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),
-            None => out.too_little(
-                subject, self.tracks.why(self.undecided()),
-            ),
+            None => out.too_little(subject, self.tracks.why(self.undecided())),
         }
     }
 
-    /// Of inertial sensors AXES04 holds the yaw against the course; here it is held against what other devices state.
+    /// AXES04 compares the yaw of inertial sensors with the course; here it is compared with headings of other devices.
     fn judge_imu(&self, imu: &Imu, sensor: &Sensor, out: &mut Judge) {
         let subject = format!("yaw of {}", imu.stream.subject);
         if let Some(why) = imu.no_orientation {
             return out.not_applicable(subject, why);
         }
         if self.compasses.is_empty() {
-            return out.missing(subject, "no other device states a heading");
+            return out.missing(
+                subject,
+                "no other device states a heading: record the NMEA sentences of a receiver or compass",
+            );
         }
-        // Where the zero of a gyro's yaw lies is chance.
+        // The zero of a yaw that is integrated from a gyro is arbitrary.
         let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
         let Some(found) = self.by_compasses(&yaws, true) else {
             return out.too_little(subject, self.undecided());
@@ -102,15 +103,14 @@ impl Against<'_> {
         self.fail_known(&imu.stream, subject, &found, better, out);
     }
 
-    /// Poses tell their own way: yaw and position stand in one frame, wherever its zero is.
+    /// Poses have their own track: yaw and position are in one frame, wherever its zero is.
     fn judge_pose(&self, stream: &Stream<PoseRow>, out: &mut Judge) {
         let subject = format!("yaw of {}", stream.subject);
         let straight = nalgebra::UnitQuaternion::identity();
         let slots = stream.rows().map(|timed| timed.row.orientation);
         let tilt_deg = level(slots, &straight, Reading::Xyzw).map_or(0.0, |level| level.tilt_rad.to_degrees());
         if tilt_deg > self.limits.max_tilt_deg {
-            let why =
-                format!("it is tilted by {tilt_deg:.0} deg against z of its frame: what lies on its side has no yaw");
+            let why = format!("it is tilted by {tilt_deg:.0} deg from z of its frame, so its yaw is not defined");
             return out.not_applicable(subject, why);
         }
         let yaws = Yaws::of(stream, &straight);
@@ -121,7 +121,7 @@ impl Against<'_> {
         }
     }
 
-    /// A yaw that grows clockwise, where its zero is one that is known.
+    /// A yaw that grows clockwise, where its zero is that of a known convention.
     fn fail_known<R: Row>(
         &self,
         stream: &Stream<R>,
@@ -138,7 +138,7 @@ impl Against<'_> {
 
     fn undecided(&self) -> String {
         format!(
-            "no heading from north and no course goes with it long enough, turns by {} deg, and follows it clearly one way",
+            "no heading and no course overlaps it long enough, turns by {} deg, and clearly shows the direction of the yaw",
             self.turns.min_turn_deg
         )
     }

@@ -1,4 +1,4 @@
-//! SENSOR10: calibrations, transforms and data against the conventions of the dataset that the user says they are of.
+//! SENSOR10: calibrations, transforms and data compared with the conventions of the dataset that the user names.
 
 mod data;
 
@@ -22,16 +22,16 @@ impl Rule for DatasetProfile {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let Some(dataset) = &world.dataset else {
-            let why =
-                "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
+            let why = "no dataset is named: set for example `dataset: KITTI` in frames-lint.yaml";
             return out.missing("dataset", why);
         };
         let mut count = 0;
         for statement in statements(world) {
             let path = world.path(statement.place.source);
-            // What the file calls them comes first: of several programs' words one was made (`velo` is a lidar).
+            // The file's own names come first: words of several programs are unified (`velo` is a lidar).
             let called = [&statement.called.0, &statement.called.1].map(|frame| known(&dataset.row, frame, path));
-            let [target, source] = [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
+            let [target, source] =
+                [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
             let frames = [called[0].or(target), called[1].or(source)];
             if let [Some(target), Some(source)] = frames
                 && statement.has_rotation
@@ -44,7 +44,7 @@ impl Rule for DatasetProfile {
         count += data::judge(world, dataset, limits, out);
         if count == 0 {
             let why = format!(
-                "no transform, record or cloud here is of two frames that {} has by the table ({})",
+                "no transform, record, sensor or cloud is of frames that the table has for {} ({})",
                 dataset.row.name, dataset.row.source
             );
             out.missing("dataset", why);
@@ -69,7 +69,7 @@ fn known<'d>(dataset: &'d Dataset, frame: &FrameId, path: &str) -> Option<&'d Da
     names.find_map(|name| dataset.frame(&name))
 }
 
-/// How far a rotation is from what two frames should have between them, degrees; only uprightness where one of them may look aside.
+/// How far a rotation is from that between two frames of the dataset, degrees. Where one of them may have any yaw, only its tilt counts.
 fn off_deg(turn: &UnitQuaternion<f64>, target: &DatasetFrame, source: &DatasetFrame) -> f64 {
     let [body_from_target, body_from_source] = [target, source].map(|frame| rotation(&frame.axes));
     if target.any_yaw || source.any_yaw {
@@ -81,7 +81,7 @@ fn off_deg(turn: &UnitQuaternion<f64>, target: &DatasetFrame, source: &DatasetFr
     expected.angle_to(turn).to_degrees()
 }
 
-/// The nearest choice of forward, back, left, right, up and down for the axes of a frame that is turned so on the vehicle.
+/// The nearest choice of forward, back, left, right, up and down for the axes of a frame with this rotation on the vehicle.
 pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
     let letter = |axis: Vector3<f64>| {
         let told = body_from_frame * axis;
@@ -120,7 +120,8 @@ fn judge_statement(
         world.path(statement.place.source)
     );
     let off = off_deg(&turn, target, source);
-    let measured = Measured::new(format!("rotation from that of {name}"), off, "deg").limit(limits.max_off_deg);
+    let measured =
+        Measured::new(format!("rotation from the convention of {name}"), off, "deg").limit(limits.max_off_deg);
     if off <= limits.max_off_deg {
         return out.pass(subject, [measured]);
     }
@@ -130,33 +131,37 @@ fn judge_statement(
     let is_row = statement.claim(world).is_some_and(Claim::is_row);
     let [w, x, y, z] = if is_row { [z, w, x, y] } else { [x, y, z, w] };
     let reordered = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
-    let (relation, what) = if fits(&turn.inverse()) {
-        ("inverse", "it is told the wrong way round".to_owned())
+    let (relation, what, why) = if fits(&turn.inverse()) {
+        ("inverse", "is the inverse of", String::new())
     } else if statement.is_bare_quaternion() && fits(&reordered) {
-        (
-            "quaternion-order",
-            "its quaternion is expressed in the other order".to_owned(),
-        )
+        let why = " In the other order of the four numbers it matches.".to_owned();
+        ("quaternion-order", "has another quaternion order than", why)
     } else {
-        let told = nearest_word(&(rotation(&target.axes) * turn));
-        let what = format!(
-            "`{}` is told about as {told} where `{}` is {}, and {name} has it as {}",
-            statement.source_frame, statement.target, target.axes.word, source.axes.word
+        let found = nearest_word(&(rotation(&target.axes) * turn));
+        let why = format!(
+            " If `{}` has the axes {}, it gives `{}` about {found}, but {name} has {} (forward, back, left, right, up, down for x, y, z).",
+            statement.target, target.axes.word, statement.source_frame, source.axes.word
         );
-        ("axes", what)
+        ("axes", "is rotated from", why)
     };
     let expected = Isometry3::from_parts(
         nalgebra::Translation3::identity(),
         rotation(&target.axes).inverse() * rotation(&source.axes),
     );
     let (roll, pitch, yaw) = expected.rotation.euler_angles();
-    let message = format!("{subject} is {off:.0} deg from the rotation that {name} has between the two: {what}");
+    let message = format!(
+        "`{}`: `{}_from_{}` {what} the {name} transform ({off:.0} deg off)",
+        world.path(statement.place.source),
+        statement.target,
+        statement.source_frame
+    );
     let mut finding = Finding::error(subject, message, statement.place.clone())
         .likely()
         .confidence(statement.reading)
         .relation(relation)
+        .detail(format!("Stated by {}.{why}", statement.who))
         .help(format!(
-            "of {name} it is about RPY({:.0}, {:.0}, {:.0}) deg ({}); convert the file, or take `dataset` out of the configuration if it is another one",
+            "convert it to about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
             roll.to_degrees(),
             pitch.to_degrees(),
             yaw.to_degrees(),

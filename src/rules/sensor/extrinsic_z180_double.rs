@@ -1,4 +1,4 @@
-//! SENSOR03: the half turn between an Ouster's two frames left out or applied twice; transforms that a driver applies applied again.
+//! SENSOR03: the half turn between an Ouster's two frames is missing or applied twice; or TF repeats a transform that a driver applies.
 
 mod twice_applied;
 
@@ -14,7 +14,7 @@ use crate::world::FrameId;
 
 pub(crate) struct ExtrinsicZ180Double;
 
-/// Whether the mounting of an Ouster lacks half a turn, and what says so.
+/// Whether the mounting of an Ouster lacks half a turn, and the evidence.
 struct Told {
     is_turned: bool,
     body: FrameId,
@@ -41,7 +41,7 @@ impl Rule for ExtrinsicZ180Double {
     }
 }
 
-/// By the way of the scans, and by landmarks; where both tell, they must agree.
+/// By the motion of the scans, and by landmarks; where both decide, they must agree.
 fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
     let of_yaw = world.limits::<crate::analysis::axes::forward::Limits>();
     let by_way = crate::analysis::axes::forward::look(world, clouds, &of_yaw);
@@ -57,7 +57,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
                 Some(2 | -2) => true,
                 _ => {
                     let why = format!(
-                        "the mounting lacks a yaw of {:.0} deg, which is no half turn",
+                        "the mounting is off by a yaw of {:.0} deg, which is not half a turn",
                         yaw.off_deg
                     );
                     return Err((NotEvaluated::NotApplicable, why));
@@ -65,7 +65,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
             };
             if landmarks.is_some_and(|(other, ..)| other != is_turned) {
                 let why = format!(
-                    "by the way of the scans the mounting lacks a yaw of {:.0} deg, and landmarks say otherwise",
+                    "by the motion of the scans the mounting is off by a yaw of {:.0} deg, but landmarks contradict that",
                     yaw.off_deg
                 );
                 return Err((NotEvaluated::TooLittleEvidence, why));
@@ -80,14 +80,14 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
                 measured,
             })
         }
-        // A mirror image, or a lidar that is upside down: landmarks do not fix that.
+        // A mirror image, or a lidar that is upside down: landmarks cannot decide that either.
         Err((NotEvaluated::NotApplicable, reason)) => Err((NotEvaluated::NotApplicable, reason)),
         Err((why, reason)) => {
             let Some((is_turned, maps, ratio)) = landmarks else {
                 let more = match by_landmarks {
                     Err((_, other)) if other != reason => format!("; {other}"),
                     Ok((_, ratio)) => format!(
-                        "; by landmarks, the map with another half turn takes {ratio:.2} times the cells, and {} or its inverse would tell",
+                        "; by landmarks, the map with another half turn has {ratio:.2} times the cells ({} or its inverse is needed)",
                         limits.min_ratio
                     ),
                     Err(_) => String::new(),
@@ -106,7 +106,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
     }
 }
 
-/// How many times the cells the map takes with another half turn.
+/// The number of cells of the map with another half turn, relative to as published.
 fn by_landmarks(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<(Maps, f64), (NotEvaluated, String)> {
     let grid = Grid {
         cell_m: limits.cell_m,
@@ -120,14 +120,14 @@ fn by_landmarks(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<(
     if told == 0 || turned == 0 {
         return Err((
             NotEvaluated::TooLittleEvidence,
-            "no points lie level with the sensor".to_owned(),
+            "no points are level with the sensor".to_owned(),
         ));
     }
     let ratio = turned as f64 / told as f64;
     Ok((maps, ratio))
 }
 
-/// Whether the half turn is missing, where the ratio of the maps tells.
+/// Whether the half turn is missing, where the ratio of the maps decides that.
 fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
     if ratio >= limits.min_ratio {
         Some(false)
@@ -139,7 +139,7 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
         format!(
-            "cells of the map with another half turn over those as published, on {:.0} m",
+            "map cells with another half turn, relative to as published, over {:.0} m",
             maps.way_m
         ),
         ratio,
@@ -162,22 +162,22 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
         (Some(own), _) => (
             "z180-twice",
             format!(
-                "it is applied twice: the mounting holds it already, for it was made with clouds in the Lidar frame, and `{}_from_{}` turns them \
-                 once more",
+                "The half turn of an Ouster is applied twice: the mounting contains it (it was made with clouds in the Lidar frame), and \
+                 `{}_from_{}` applies it again",
                 own.parent, own.child
             ),
         ),
         (None, Some(Axes::Lidar)) => (
             "z180-missing",
-            "the clouds are expressed in the Lidar frame, x towards the connector, and the mounting was made for the Sensor frame".to_owned(),
+            "The clouds are expressed in the Lidar frame (x towards the connector), but the mounting was made for the Sensor frame".to_owned(),
         ),
         (None, Some(Axes::Sensor)) => (
             "z180-extra",
-            "the clouds are expressed in the Sensor frame, x away from the connector, and the mounting was made for the Lidar frame".to_owned(),
+            "The clouds are expressed in the Sensor frame (x away from the connector), but the mounting was made for the Lidar frame".to_owned(),
         ),
         (None, None) => (
             "z180",
-            "the clouds are expressed in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
+            "Of the Lidar and the Sensor frame, the clouds are expressed in one, and the mounting was made for the other".to_owned(),
         ),
     };
     let direction = crate::analysis::cross::direction::seen(world, clouds);
@@ -186,19 +186,20 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
         crate::analysis::cross::direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
     });
     let message = format!(
-        "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
+        "`{}_from_{}` is off by 180 deg about z, compared with {}",
         told.body, told.lidar, told.poses.0
     );
     let mut finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .unless(codes::CROSS04)
-        .related(told.poses.1.clone(), "where it went");
+        .related(told.poses.1.clone(), "compared with this motion")
+        .detail(format!("{what}{or}."));
     if let Some(edge) = mounting.or(edges.first()) {
         let right = edge.pose * half_turn();
         let q = right.rotation.coords;
         finding = finding.help(format!(
-            "turn `{}_from_{}` by 180 deg about z of `{}`: its quaternion x y z w is then {:.6} {:.6} {:.6} {:.6}, its place stays; or publish the \
+            "rotate `{}_from_{}` by 180 deg about z of `{}` (quaternion x y z w: {:.6} {:.6} {:.6} {:.6}, same translation), or publish the \
              clouds in the other frame (`point_cloud_frame` of ouster-ros)",
             edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
         ));

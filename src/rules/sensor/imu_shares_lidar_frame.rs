@@ -1,4 +1,4 @@
-//! SENSOR05: an inertial sensor that is expressed in the frame of a lidar's cloud.
+//! SENSOR05: an IMU whose data are expressed in the frame of a lidar's cloud.
 
 use crate::analysis::names;
 use crate::rules::prelude::*;
@@ -56,7 +56,7 @@ fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicE
     };
     if names::is_base(&frame) || names::is_world(&frame) {
         let why = format!(
-            "the cloud of `{}` is expressed in `{frame}`, which is no sensor's frame",
+            "the cloud on `{}` is expressed in `{frame}`, which is not the frame of a sensor",
             cloud.topic
         );
         return out.not_applicable(subject, why);
@@ -76,36 +76,35 @@ fn finding(
     let place = |first: Option<&MessageRef>| Place::of(bag.source, first);
     let known = world.tables.lidar_imu(&words);
     let lever = known.as_ref().and_then(|known| known.lever_mm);
-    let (what, help) = match (&known, lever) {
+    let (detail, help) = match (&known, lever) {
         (Some(known), Some([x, y, z])) => (
             format!(
-                "in a {} it sits at ({x:.1}, {y:.1}, {z:.1}) mm in the frame of the cloud",
+                "In a {} the IMU is at ({x:.1}, {y:.1}, {z:.1}) mm in the frame of the cloud.",
                 known.name
             ),
             format!(
-                "publish the Imu under a frame of its own, with a static transform from `{frame}` of ({}, {}, {}) m",
+                "publish the IMU in a frame of its own, with a static transform of ({}, {}, {}) m from `{frame}`",
                 x / 1e3,
                 y / 1e3,
                 z / 1e3
             ),
         ),
         (Some(known), None) => (
-            format!("in a {} the two do not sit in one place", known.name),
-            format!(
-                "publish the Imu under a frame of its own, with a static transform from `{frame}` by the data sheet"
-            ),
+            format!("In a {} the two have different origins.", known.name),
+            format!("publish the IMU in a frame of its own, with a static transform from `{frame}` by the data sheet"),
         ),
         (None, _) => (
-            "which is right only where both have one origin".to_owned(),
-            format!("if they are apart, give the Imu a frame of its own, with a static transform from `{frame}`"),
+            "That is right only if both have the same origin and axes.".to_owned(),
+            format!("if they differ, publish the IMU in a frame of its own, with a static transform from `{frame}`"),
         ),
     };
     let message = format!(
-        "the Imu on `{}` names `{frame}`, the frame of the cloud on `{}`: {what}",
+        "`{}`: the IMU uses `{frame}`, the frame of the cloud on `{}`",
         imu.topic.topic, cloud.topic
     );
     let finding = Finding::warning(subject, message, place(imu.first))
         .related(place(cloud.stamps.first.as_ref()), "the cloud")
+        .detail(detail)
         .help(help);
     let finding = if known.is_some() {
         finding.likely()

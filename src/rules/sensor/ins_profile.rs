@@ -1,4 +1,4 @@
-//! SENSOR06: what an inertial navigation system publishes, against what is known of its driver.
+//! SENSOR06: what an inertial navigation system publishes, compared with the known settings of its driver.
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
@@ -29,7 +29,7 @@ impl Rule for InsProfile {
     }
 }
 
-/// Up of the world, which tells ENU and FLU from NED and FRD.
+/// Up of the world, which distinguishes ENU and FLU from NED and FRD.
 fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of {} ({})", imu.stream.subject, driver.name);
     if let Some(why) = hidden(sensor) {
@@ -39,13 +39,13 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
         Ok(angle) if angle.to_degrees() <= limits.max_tilt_deg => {
             if let Some(unseen) = sensor.unseen {
                 let why = format!(
-                    "gravity points up, as it does where {}: a turn is needed to tell",
+                    "the acceleration points up, as it also does if {}: record a turn to distinguish these",
                     unseen.text
                 );
                 return out.too_little(subject, why);
             }
             let measured = Measured::new(
-                "angle of the mean acceleration to z of the world",
+                "angle between the mean acceleration and z of the world",
                 angle.to_degrees(),
                 "deg",
             );
@@ -53,7 +53,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
         }
         Ok(angle) => {
             let why = format!(
-                "the acceleration is {:.0} deg from up, which is more than its setting",
+                "the acceleration is {:.0} deg from up, which no setting of this driver explains alone",
                 angle.to_degrees()
             );
             out.not_applicable(subject, why);
@@ -81,25 +81,28 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
         return out.not_applicable(subject, why);
     };
     let message = format!(
-        "the yaw of `{}` is {offset:.0} deg from the course, as {} has it where {}; {}",
-        imu.stream.topic,
-        driver.name,
-        known.what,
-        imu.mounting()
+        "`{}`: yaw is {offset:.0} deg from the course, probably by a driver setting ({})",
+        imu.stream.topic, driver.name
     );
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("driver-setting")
+        .detail(format!(
+            "{} has that offset where {}; {}.",
+            driver.name,
+            known.what,
+            imu.mounting()
+        ))
         .help(format!(
-            "{} (if the sensor is turned on the vehicle instead: give its frame that yaw in TF or URDF)",
+            "{}; if the sensor is mounted with that yaw instead, add it to its frame in TF or URDF",
             known.setting
         ))
         .measured(measured);
     out.fail(imu.stream.expressed_in.tell(finding));
 }
 
-/// What hides the setting of the driver.
+/// Why the setting of the driver cannot be judged.
 fn hidden(sensor: &Sensor) -> Option<&'static str> {
-    let why = "its measurements contradict each other: a fault that hides what the driver is set to";
+    let why = "its measurements contradict each other, and that fault hides the setting of the driver: fix it first";
     sensor.diagnosis.shown_by.is_some().then_some(why)
 }

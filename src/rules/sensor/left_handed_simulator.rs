@@ -8,7 +8,7 @@ use crate::world::motion::{FixRow, PoseRow};
 
 pub(crate) struct LeftHandedSimulator;
 
-/// One thing that tells the hand of a track.
+/// One measurement of the handedness of a track.
 struct Told {
     is_left_handed: bool,
     words: String,
@@ -27,7 +27,7 @@ impl Rule for LeftHandedSimulator {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
             let Some(simulator) = &bag.simulator else { continue };
-            // A gyro that hangs upside down tells nothing of the track's hand.
+            // Only an upright gyro shows the handedness of the track.
             let upright = bag
                 .imus
                 .iter()
@@ -55,7 +55,7 @@ fn by_satellites(bag: &BagMotion, track: &Track, limits: &crate::analysis::axes:
         let hand = crate::analysis::axes::hand::hand(fixes, track, limits)?;
         Some(Told {
             is_left_handed: hand.is_mirrored,
-            words: format!("it is the mirror image of the satellites' track on {}", fixes.topic),
+            words: format!("the poses mirror the GNSS track on `{}`", fixes.topic),
             measured: hand.measured,
         })
     };
@@ -67,11 +67,8 @@ fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_v
         let gain = crate::analysis::axes::gyro_vs_track::gain(imu, track, limits)?;
         Some(Told {
             is_left_handed: gain < 0.0,
-            words: format!(
-                "the gyro of `{}` turns against it, and stands upright",
-                imu.stream.topic
-            ),
-            measured: Measured::new("yaw rate over the turning of the course", gain, "1"),
+            words: format!("the upright gyro of `{}` turns the opposite way", imu.stream.topic),
+            measured: Measured::new("yaw rate of the gyro / turn rate of the course", gain, "1"),
         })
     };
     imus.iter().filter_map(tell).collect()
@@ -80,7 +77,7 @@ fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_v
 fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, out: &mut Judge) {
     let subject = format!("{} ({})", poses.subject, simulator.name);
     if told.is_empty() {
-        let why = "neither satellite fixes nor an upright gyro show which way it turns, or it does not turn enough";
+        let why = "neither GNSS fixes nor an upright gyro show its handedness, or it does not turn enough";
         return out.too_little(subject, why);
     }
     let (left, right): (Vec<Told>, Vec<Told>) = told.into_iter().partition(|told| told.is_left_handed);
@@ -89,25 +86,21 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
     }
     if !right.is_empty() {
         let why = format!(
-            "{} of {} measurements say left-handed",
+            "only {} of {} measurements show that it is left-handed",
             left.len(),
             left.len() + right.len()
         );
         return out.too_little(subject, why);
     }
     let words: Vec<&str> = left.iter().map(|told| told.words.as_str()).collect();
-    let message = format!(
-        "the poses on {} are left-handed, as {} has them: {}",
-        poses.topic,
-        simulator.name,
-        words.join("; ")
-    );
+    let message = format!("`{}`: the poses are left-handed, as in {}", poses.topic, simulator.name);
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation("left-handed")
+        .detail(format!("Evidence: {}.", words.join("; ")))
         .help(format!(
-            "{} is {}; to ROS: {}",
-            simulator.name, simulator.axes, simulator.conversion
+            "convert the poses to ROS: {}. {} is {}",
+            simulator.conversion, simulator.name, simulator.axes
         ));
     let finding = poses.expressed_in.tell(finding);
     out.fail(finding.measured(left.into_iter().map(|told| told.measured)));

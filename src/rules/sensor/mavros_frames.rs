@@ -16,17 +16,17 @@ pub(crate) struct Limits {
     pub max_deg: f64,
     /// Distance between the two origins, metres.
     pub max_m: f64,
-    /// Deviation from which NAME04 and NAME05 speak, degrees.
+    /// Deviation from which NAME04 and NAME05 report it instead, degrees.
     pub named_deg: f64,
 }
 
-/// A frame that mavros publishes: its name, what it hangs under, the rotation between the two, as URDF text too.
+/// A frame that mavros publishes: its name, its parent, and the rotation between the two, also as URDF text.
 struct Fixed {
     name: &'static str,
     parent: &'static str,
     turn: AxisTurn,
     rpy: &'static str,
-    /// The rule of such names, which says it better where it is another frame altogether.
+    /// The rule of such names, which reports it better where it is a different frame altogether.
     judged_by: RuleCode,
 }
 
@@ -80,9 +80,12 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
         return out.missing(subject, format!("`{parent}` is not in the tree"));
     };
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
-        let message = format!("`{frame}` hangs under `{stranger}` and not under `{parent}`: it does not stay with it");
+        let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
         let finding = Finding::warning(subject, message, place).likely();
-        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does", fixed.rpy);
+        let help = format!(
+            "publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does",
+            fixed.rpy
+        );
         let finding = finding.help(help);
         return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
     }
@@ -98,17 +101,19 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     if deg <= limits.max_deg && m <= limits.max_m {
         out.pass(subject, [turn, shift]);
     } else {
-        let what = if deg > limits.max_deg {
-            format!("turned {deg:.2} deg off the fixed rotation")
+        let message = if deg > limits.max_deg {
+            format!("`{frame}` is rotated {deg:.2} deg off its fixed rotation from `{parent}`")
         } else {
-            format!("shifted by {m:.3} m")
+            format!("the origin of `{frame}` is {m:.3} m from that of `{parent}`")
         };
-        let message = format!("`{frame}` is {what} against `{parent}`: mavros converts its data with none of that");
-        let mut finding = Finding::warning(subject, message, place).measured(turn).measured(shift);
+        let mut finding = Finding::warning(subject, message, place)
+            .detail("mavros converts its data with the fixed rotation alone.")
+            .measured(turn)
+            .measured(shift);
         if deg > limits.named_deg {
             finding = finding.unless_about(fixed.judged_by, format!("`{frame}`"));
         }
-        let help = format!("`{parent}` -> `{frame}` is xyz = (0, 0, 0), rpy = ({})", fixed.rpy);
+        let help = format!("set `{parent}` -> `{frame}` to xyz = (0, 0, 0), rpy = ({})", fixed.rpy);
         let finding = finding.help(help);
         let edge = steps.first().filter(|_| steps.len() == 1 && deg > limits.max_deg);
         let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, fixed.rpy));

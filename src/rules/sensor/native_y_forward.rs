@@ -1,4 +1,4 @@
-//! SENSOR04: lidars whose own axes have y forward, beside drivers that turn them.
+//! SENSOR04: lidars whose own axes have y forward, where drivers may rotate them.
 
 use crate::analysis::lidar::Clouds;
 use crate::analysis::sensor::lidar_turn::{has_two_ways, lidar};
@@ -29,18 +29,15 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
     let subject = clouds.subject("axes");
     let no = |why: NotEvaluated, reason: String, out: &mut Judge| out.not_evaluated(&subject, why, reason);
     if !clouds.is_of_a_lidar() {
-        let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
+        let why = "fields, topic and frame do not identify these as raw points of a lidar".to_owned();
         return no(NotEvaluated::NotApplicable, why, out);
     }
     let Some(lidar) = lidar(world, clouds) else {
-        let why = "neither topic, frame nor layout of the points tell a lidar that the tables know".to_owned();
+        let why = "the model is unknown: topic, frame and fields of the points match no lidar in the tables".to_owned();
         return no(NotEvaluated::MissingInput, why, out);
     };
     if !has_two_ways(&lidar) {
-        let why = format!(
-            "{} has no y forward, neither in the sensor nor in its driver",
-            lidar.name
-        );
+        let why = format!("{} has y forward neither in the sensor nor in its driver", lidar.name);
         return no(NotEvaluated::NotApplicable, why, out);
     }
     let of_yaw = world.limits::<crate::analysis::axes::forward::Limits>();
@@ -54,52 +51,55 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         Some(quarters @ (1 | -1)) if (yaw.off_deg - 90.0 * f64::from(quarters)).abs() <= limits.max_off_deg => quarters,
         _ => {
             let why = format!(
-                "the mounting lacks a yaw of {:.0} deg, which is no quarter turn",
+                "the mounting is off by a yaw of {:.0} deg, which is not a quarter turn",
                 yaw.off_deg
             );
             return no(NotEvaluated::NotApplicable, why, out);
         }
     };
-    let (what, help) = told(&lidar, quarters, &format!("{}_from_{}", known.body, known.lidar));
+    let mounting = format!("{}_from_{}", known.body, known.lidar);
+    let (detail, help) = told(&lidar, quarters, &mounting);
+    let [seen, meant] = if quarters < 0 { ["y", "x"] } else { ["x", "y"] };
     let message = format!(
-        "the clouds on `{}` are {what}: `{}_from_{}` lacks a yaw of {:+.1} deg beside {}",
-        clouds.topic.topic, known.body, known.lidar, yaw.off_deg, known.poses.0
+        "`{}`: clouds have {seen} forward, but `{mounting}` is for {meant} ({:+.1} deg of yaw)",
+        clouds.topic.topic, yaw.off_deg
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .unless(codes::CROSS04)
         .relation(if quarters > 0 { "z90" } else { "z-90" })
-        .related(known.poses.1.clone(), "where it went")
+        .related(known.poses.1.clone(), "compared with this motion")
+        .detail(format!("{detail} Compared with {}.", known.poses.0))
         .help(help);
     out.fail(finding.measured(measured));
 }
 
-/// What a quarter turn means for this lidar, and what to do. A mounting that lacks -90 deg has y of the cloud forward.
+/// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.
 fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
     let name = &lidar.name;
-    let turn = format!("turn `{mounting}` by {} deg about z", 90 * i16::from(quarters));
+    let turn = format!("rotate `{mounting}` by {} deg about z", 90 * i16::from(quarters));
     match (lidar.driver, quarters < 0) {
         (Forward::X | Forward::XOrBack, true) => (
             format!(
-                "expressed in the axes of the sensor itself, y forward, as packets and the vendor's tools have them; the ROS driver of {name} has x forward, and the mounting is made for that"
+                "Packets and the vendor's tools use the sensor's own axes, y forward; the ROS driver of {name} publishes x forward, and the mounting is made for that."
             ),
             format!("publish the clouds with the ROS driver (x = y, y = -x of the sensor's axes), or {turn}"),
         ),
         (Forward::X | Forward::XOrBack, false) => (
             format!(
-                "told with x forward, as the ROS driver of {name} has them, and the mounting is made for the axes of the sensor itself, y forward"
+                "The ROS driver of {name} publishes x forward; the mounting is made for the sensor's own axes, y forward."
             ),
-            format!("{turn}: what the manual shows as y is x of these clouds"),
+            format!("{turn}: y in the manual is x of these clouds"),
         ),
         (Forward::Y, true) => (
-            format!("told with y forward, as the driver of {name} leaves them, and the mounting is made for x forward"),
+            format!("The driver of {name} publishes y forward; the mounting is made for x forward."),
             turn,
         ),
         (Forward::Y, false) => (
             format!(
-                "told with x forward, where the driver of {name} leaves y forward, and the mounting is made for that: something turns them twice"
+                "The driver of {name} publishes y forward, and the mounting is made for that: something rotates the clouds a second time."
             ),
-            format!("take the clouds as the driver publishes them, or {turn}"),
+            format!("use the clouds as the driver publishes them, or {turn}"),
         ),
     }
 }

@@ -20,16 +20,16 @@ impl Rule for OusterFrame {
     }
 }
 
-/// What the metadata say of the zero of the encoder, for the end of a reason.
+/// What the metadata state about the zero of the encoder, for the end of a reason.
 fn set_to(world: &World, clouds: &Clouds) -> String {
     let offset = ouster::metadata_of(world, clouds).and_then(|metadata| metadata.azimuth_offset_mdeg.as_ref());
     match offset {
         Some(offset) if offset.value != 0.0 => format!(
-            "its metadata set `lidar_frame_azimuth_offset` to {:.3} deg, and what that does to the columns is not verified",
+            "its metadata set `lidar_frame_azimuth_offset` to {:.3} deg, whose effect on the columns is not verified",
             offset.value * 1e-3
         ),
-        Some(_) => "the cloud was turned, for by its metadata the sensor's zero is not set to another angle".to_owned(),
-        None => "the cloud was turned, or the sensor is set to another zero (`lidar_frame_azimuth_offset`)".to_owned(),
+        Some(_) => "the cloud was rotated, since its metadata set no other zero of the sensor".to_owned(),
+        None => "the cloud was rotated, or the sensor has another zero (`lidar_frame_azimuth_offset`)".to_owned(),
     }
 }
 
@@ -50,14 +50,14 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let frame = clouds.frame();
     let Some(seen) = seen else {
         let why = format!(
-            "the first column lies at {azimuth_deg:.0} deg, where the Lidar frame has 0 and the Sensor frame 180: {}",
+            "the first column is at {azimuth_deg:.0} deg; the Lidar frame has it at 0, the Sensor frame at 180: {}",
             set_to(world, clouds)
         );
         return little(why, out);
     };
     let Some((frame, said)) = frame.and_then(|frame| Some((frame.clone(), Axes::of(&frame)?))) else {
         let why = format!(
-            "the cloud is expressed in the {} frame, and the name of its frame does not say which of the two it is",
+            "the cloud is expressed in the {} frame, but its frame name does not state which of the two it is (`os_lidar` or `os_sensor`)",
             seen.word()
         );
         return out.missing(subject, why);
@@ -66,24 +66,26 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         return out.pass(subject, measured);
     }
     let message = format!(
-        "the cloud on `{}` says `{frame}`, and is expressed in the {} frame: its first column lies at {:.0} deg, where the {} frame has {:.0}",
+        "`{}`: frame is `{frame}`, but the cloud is expressed in the {} frame (180 deg off)",
         clouds.topic.topic,
-        seen.word(),
-        azimuth_deg,
-        said.word(),
-        said.azimuth_rad().to_degrees()
+        seen.word()
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation("z180")
+        .detail(format!(
+            "The first column is at {azimuth_deg:.0} deg; in the {} frame it is at {:.0} deg.",
+            said.word(),
+            said.azimuth_rad().to_degrees()
+        ))
         .help(
-            "set `point_cloud_frame` of ouster-ros to the frame that the calibration was made in (ROS 1 publishes the Sensor frame, ROS 2 the Lidar \
-             frame), and let the name say it: the two differ by 180 deg about z and by the height of the beams",
+            "set `point_cloud_frame` of ouster-ros to the frame that the calibration was made in, and name the frame accordingly. ROS 1 publishes \
+             the Sensor frame, ROS 2 the Lidar frame; the two differ by 180 deg about z and by the height of the beams",
         );
     out.fail(finding.measured(measured));
 }
 
-/// The azimuth of the points of the first cloud that tells, along the turn, with how each of the two frames would have it.
+/// The azimuth of the points along the turn, of the first cloud that determines it, with the lines of the two frames.
 fn plot(clouds: &Clouds, limits: &Limits) -> Option<Plot> {
     let mut samples = clouds.evidence.samples.iter();
     let sample = samples.find(|sample| first(clouds, sample, limits).is_some())?;
@@ -98,7 +100,7 @@ fn plot(clouds: &Clouds, limits: &Limits) -> Option<Plot> {
             Axes::Lidar => vec![vec![[0.0, 0.0], [0.5, -180.0]], vec![[0.5, 180.0], [1.0, 0.0]]],
             Axes::Sensor => vec![vec![[0.0, 180.0], [1.0, -180.0]]],
         };
-        series.extend(Series::lines(&format!("as the {} frame has it", axes.word()), lines));
+        series.extend(Series::lines(&format!("expected in the {} frame", axes.word()), lines));
     }
     Some(Plot {
         title: format!("Azimuth along the turn on `{}`", clouds.topic.topic),

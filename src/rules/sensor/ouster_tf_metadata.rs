@@ -1,4 +1,4 @@
-//! SENSOR02: the parts of an Ouster where TF, URDF and files have them, against its metadata; and those against what is known.
+//! SENSOR02: the parts of an Ouster by TF, URDF and files compared with its metadata; and its metadata compared with known models.
 
 mod beams;
 
@@ -24,21 +24,23 @@ impl Rule for OusterTfMetadata {
     }
 }
 
-/// Sensors whose metadata are asked: no platform has more.
+/// Sensors whose metadata are compared: no platform has more.
 const MAX_SENSORS: usize = 64;
 
-/// A place that is known, and who says so.
+/// A known position, and its source.
 type KnownPlace = (Vector3<f64>, String);
 
-/// A statement that is judged, and what it is held against.
+/// A statement that is judged, and what it is compared with.
 struct Statement<'p, 'w> {
     part: &'p Part<'w>,
     subject: String,
-    /// Where it may be.
+    /// The file that it is in.
+    path: String,
+    /// The positions that it may have.
     known: Vec<KnownPlace>,
-    /// Where other models have it.
+    /// The positions of other models.
     others: Vec<KnownPlace>,
-    /// Whether the sensor's own metadata say it.
+    /// Whether the sensor's own metadata state it.
     is_stated: bool,
     /// The sensor by its metadata, in words.
     model: Option<String>,
@@ -47,7 +49,7 @@ struct Statement<'p, 'w> {
 impl<'p, 'w> Statement<'p, 'w> {
     fn of(world: &World, part: &'p Part<'w>, parts: &[Part<'_>]) -> Self {
         let path = |of: &Part<'_>| world.path(of.statement.place.source).to_owned();
-        // Metadata beside it say it exactly: those of its own recording, else of any sensor.
+        // Available metadata state it exactly: those of its own recording, else of any sensor.
         let is_beside = |other: &&Part<'_>| other.metadata.is_some() && other.kind == part.kind;
         let beside = || {
             let all = parts.iter().filter(|other| part.metadata.is_none() && is_beside(other));
@@ -79,6 +81,7 @@ impl<'p, 'w> Statement<'p, 'w> {
                 part.statement.who,
                 path(part)
             ),
+            path: path(part),
             known: if is_stated {
                 by_metadata.collect()
             } else {
@@ -91,7 +94,7 @@ impl<'p, 'w> Statement<'p, 'w> {
             },
             is_stated,
             model: product.map(|product| match image.and_then(board) {
-                Some(board) => format!("an {product} with the firmware's image `{board}`"),
+                Some(board) => format!("an {product} with the firmware image `{board}`"),
                 None => format!("an {product}"),
             }),
             part,
@@ -108,44 +111,47 @@ impl<'p, 'w> Statement<'p, 'w> {
             .map(|known| ((known.0 - place_mm).norm(), known))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let is_turned = turned_deg > limits.max_turn_deg;
-        let turn = Measured::new("rotation from what it should be", turned_deg, "deg")
+        let turn = Measured::new("rotation from the expected one", turned_deg, "deg")
             .turn()
             .limit(limits.max_turn_deg);
         let (Some((off_mm, nearest)), _) = (nearest, is_turned) else {
             let model = self.model.as_deref().unwrap_or("this sensor");
             let why = format!(
-                "no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)"
+                "the table has no metadata of {model}: the right position of the part is unknown (its rotation is {turned_deg:.2} deg off)"
             );
             return out.missing(self.subject, why);
         };
         let max_mm = self.max_mm(limits);
         let measured = [
             turn,
-            Measured::new("distance from the nearest place that is known", off_mm, "mm").limit(max_mm),
+            Measured::new("distance from the nearest known position", off_mm, "mm").limit(max_mm),
         ];
         if !is_turned && off_mm <= max_mm {
             return out.pass(self.subject, measured);
         }
-        let (relation, what) = self.fault(turned_deg, off_mm, limits);
+        let (relation, what, why) = self.fault(turned_deg, off_mm, limits);
         let ([x, y, z], who) = (<[f64; 3]>::from(nearest.0), &nearest.1);
         let message = format!(
-            "{}: {what}; known is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who})",
-            self.subject,
+            "`{}`: `{}_from_{}` {what}",
+            self.path, statement.target, statement.source_frame
+        );
+        let detail = format!(
+            "{why}Expected is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who}).",
             match self.part.kind {
-                OusterPart::Lidar => ", turned by 180 deg about z",
-                OusterPart::Imu | OusterPart::Beam => ", not turned",
+                OusterPart::Lidar => ", rotated by 180 deg about z",
+                OusterPart::Imu | OusterPart::Beam => ", not rotated",
             }
         );
-        // A place that no table has may be that of a new model.
+        // A position that no table has may be that of a new model.
         let is_sure = relation != "place" || self.is_stated;
         let finding = if is_sure {
             Finding::error(self.subject.clone(), message, statement.place.clone()).likely()
         } else {
             Finding::warning(self.subject.clone(), message, statement.place.clone()).hint()
         };
-        let finding = finding.confidence(statement.reading).relation(relation).help(
-            "take `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata, millimetres: they are the poses of the \
-             parts in the Sensor frame",
+        let finding = finding.confidence(statement.reading).relation(relation).detail(detail).help(
+            "use `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata: they are the poses of the parts in the \
+             Sensor frame, in millimetres",
         );
         out.fail(finding.measured(measured));
     }
@@ -157,8 +163,9 @@ impl<'p, 'w> Statement<'p, 'w> {
         }
     }
 
-    /// What is wrong, and its name.
-    fn fault(&self, turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
+    /// The relation, what is wrong, and a sentence of evidence that may be empty.
+    fn fault(&self, turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String, String) {
+        let plain = |relation, what: String| (relation, what, String::new());
         let max_mm = self.max_mm(limits);
         let among = |places: &[KnownPlace], mm: Vector3<f64>| {
             places
@@ -173,32 +180,36 @@ impl<'p, 'w> Statement<'p, 'w> {
         let is_inverse = self.part.turn().angle_to(&inverse.rotation).to_degrees() <= limits.max_turn_deg
             && among(&self.known, inverse.translation.vector * 1e3).is_some();
         if off_mm > max_mm && is_inverse {
-            return ("inverse", "it is told the wrong way round".to_owned());
+            return plain("inverse", "is the inverse of the expected transform".to_owned());
         }
         let is_none = pose.rotation.angle().to_degrees() <= limits.known_deg;
         if is_turned && self.part.kind == OusterPart::Lidar && is_none {
-            let what =
-                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
-            return ("identity", what.to_owned());
+            let what = "lacks the rotation by 180 deg about z of the Lidar frame";
+            return (
+                "identity",
+                what.to_owned(),
+                "Clouds appear behind the vehicle. ".to_owned(),
+            );
         }
         if is_turned {
-            return (
+            return plain(
                 "turned",
-                format!("it is turned by {turned_deg:.2} deg from what it should be"),
+                format!("is rotated {turned_deg:.2} deg off the expected rotation"),
             );
         }
         for (scale, what) in [
-            (1e-3, "millimetres, where metres are meant"),
-            (1e3, "metres, where millimetres are meant"),
+            (1e-3, "millimetres instead of metres"),
+            (1e3, "metres instead of millimetres"),
         ] {
             if among(&self.known, place_mm * scale).is_some() {
-                return ("unit", format!("its numbers are {what}"));
+                return plain("unit", format!("is in {what}"));
             }
         }
         if let (Some(who), Some(model)) = (among(&self.others, place_mm), &self.model) {
-            return ("model", format!("it is the place of {who}, and this is {model}"));
+            let why = format!("It is the position in {who}, but this is {model}. ");
+            return ("model", "has the position of another model".to_owned(), why);
         }
-        ("place", format!("it is {off_mm:.2} mm from any place that is known"))
+        plain("place", format!("is {off_mm:.2} mm from the nearest known position"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! TIME04: stamps that are zero, or of another clock than the rest of the recording.
+//! TIME04: stamps that are zero, or from another clock than the rest of the recording.
 
 use crate::rules::prelude::*;
 use crate::world::BagEvidence;
@@ -43,7 +43,7 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
         .collect();
     since_start.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     while let Some((earliest, _)) = since_start.first() {
-        // A simulation may run at any rate: its medians lie apart.
+        // A simulation may run at any rate, so its medians differ.
         let beside_wall = time == Time::SimulatedBesideWall;
         let same = if beside_wall {
             f64::INFINITY
@@ -69,7 +69,7 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
     }
 }
 
-/// Judges one stream; a clock that counts from some start is given back with its offset, for others may share it.
+/// Judges one stream. A finding of a clock that counts from some start is returned with its offset: other streams may share that clock.
 fn judge_stream(
     bag: &BagEvidence,
     stream: &Stream<'_>,
@@ -80,7 +80,10 @@ fn judge_stream(
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
-        out.too_little(subject, format!("{n} stamped messages, {} are needed", limits.min_messages));
+        out.too_little(
+            subject,
+            format!("{n} stamped messages, {} are needed", limits.min_messages),
+        );
         return None;
     }
     let share = stream.zero_share();
@@ -102,8 +105,11 @@ fn judge_stream(
     } else if counts && unit_error(stream, log_start_s(bag)).is_none() {
         return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
-        // A calendar clock that is off is TIME01's: it names the offset where it has a name.
-        out.not_applicable(subject, format!("stamps run {offset:.1} s off the log clock, but count calendar time"));
+        // A calendar clock with an offset is judged by TIME01 and TIME02.
+        out.not_applicable(
+            subject,
+            format!("stamps are {offset:.1} s from the log clock, but in calendar time: TIME01 and TIME02 judge that"),
+        );
     } else {
         out.pass(subject, [measured]);
     }
@@ -113,14 +119,15 @@ fn judge_stream(
 fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
     let place = stream.stamps.first_zero.clone();
     let message = format!(
-        "{:.0} % of the stamps on {} are zero: the data have no time, and look-ups answer with the latest transform",
-        share * 100.0,
-        stream.subject
+        "{}: {:.0} % of the header stamps are zero",
+        stream.subject,
+        share * 100.0
     );
     let place = place.map_or_else(|| stream.place(), |first| Place::message(stream.source, first));
     Finding::error(stream.subject.clone(), message, place)
         .label("first zero stamp")
-        .help("let the driver set `header.stamp` to the time of measurement")
+        .detail("A tf2 look-up with a zero stamp returns the latest transform, not the one at the time of measurement.")
+        .help("set `header.stamp` to the time of measurement in the driver")
         .measured(
             Measured::new("share of zero stamps", share, "1")
                 .limit(limits.zero_share)
@@ -130,12 +137,13 @@ fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
 
 fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
     let message = format!(
-        "stamps on {} are near {stamp_s:.1} s: a clock that counts from power-up or midnight, beside a log in calendar time",
+        "{}: stamps are near {stamp_s:.1} s, but the log clock shows calendar time",
         stream.subject
     );
     Finding::error(stream.subject.clone(), message, stream.place())
         .label("first stamp")
-        .help("synchronise the sensor (PTP, GPS, NTP), or let the driver stamp with the host clock")
+        .detail("The clock that stamps counts from power-up or from midnight.")
+        .help("synchronise the sensor's clock (PTP, GPS, NTP), or stamp with the host clock in the driver")
         .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
         .measured(measured)
 }

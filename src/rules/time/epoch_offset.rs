@@ -1,4 +1,4 @@
-//! TIME01: stamps run off the log clock by an offset that has a name.
+//! TIME01: stamps differ from the log clock by an offset with a known cause.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ fn judge_bag(world: &Estimates, bag: &BagEvidence, limits: &Limits, out: &mut Ju
     let streams = declared_streams(world, bag);
     let naming = Naming::new(bag, &streams, limits);
     let far_s = world.limits::<lateness::Limits>().far_s;
-    // One wrong clock stamps many streams: by the name of its offset.
+    // One wrong clock stamps many streams: grouped by the cause of the offset.
     let mut by_name: BTreeMap<String, Vec<Finding>> = BTreeMap::new();
     for stream in &streams {
         if let Some((name, finding)) = judge_stream(stream, &naming, (limits, far_s), out) {
@@ -35,7 +35,7 @@ fn judge_bag(world: &Estimates, bag: &BagEvidence, limits: &Limits, out: &mut Ju
         }
     }
     for findings in by_name.into_values() {
-        tell_once(findings, "run by the same offset", out);
+        tell_once(findings, "have the same offset", out);
     }
 }
 
@@ -48,7 +48,10 @@ fn judge_stream(
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
-        out.too_little(subject, format!("{n} stamped messages, {} are needed", limits.min_messages));
+        out.too_little(
+            subject,
+            format!("{n} stamped messages, {} are needed", limits.min_messages),
+        );
         return None;
     }
     let not_applicable = |out: &mut Judge, why: &str| {
@@ -62,7 +65,7 @@ fn judge_stream(
         .limit(limits.quiet_s)
         .spread(spread)
         .samples(n);
-    let plot = || stream.plot(&[("quiet up to here", limits.quiet_s.copysign(offset))]);
+    let plot = || stream.plot(&[("accepted up to here", limits.quiet_s.copysign(offset))]);
     if let Some((factor, words)) = unit_error(stream, naming.log_s) {
         out.plot(&subject, plot);
         return Some((
@@ -71,7 +74,7 @@ fn judge_stream(
         ));
     }
     if !naming.is_calendar(stream) {
-        return not_applicable(out, "stamps or log time are no calendar time");
+        return not_applicable(out, "the stamps or the log time are not calendar time");
     }
     if offset.abs() <= limits.quiet_s {
         out.pass(subject, [measured]);
@@ -86,12 +89,12 @@ fn judge_stream(
         (Explanation::Several(names), reference) => {
             let names: Vec<&str> = names.iter().map(|named| named.what.as_str()).collect();
             let names = names.join("; ");
-            let why = format!("stamps run {offset:.3} s off {reference}, which fits several names: {names}");
+            let why = format!("stamps are {offset:.3} s from {reference}, which matches several known causes: {names}");
             not_applicable(out, &why)
         }
         (Explanation::Unknown, _) => {
             let why = format!(
-                "stamps run {offset:.3} s off the log clock, and no known epoch or leap second is that far off"
+                "stamps are {offset:.3} s from the log clock, and no known epoch or leap second has that offset"
             );
             not_applicable(out, &why)
         }
@@ -100,13 +103,14 @@ fn judge_stream(
 
 fn wrong_unit(stream: &Stream<'_>, factor: f64, words: &str, log_s: f64, measured: Measured) -> Finding {
     let message = format!(
-        "stamps on {} are {factor:e} times the log time: {words}",
+        "{}: stamps are {factor:e} times the log time: wrong unit",
         stream.subject
     );
     let ratio = stream.median_stamp_s().unwrap_or(0.0) / log_s;
     Finding::error(stream.subject.clone(), message, stream.place())
         .likely()
-        .help("divide once, where the sensor's number is turned into the stamp")
+        .detail(format!("Probably {words}."))
+        .help("fix the conversion of the sensor's time to `header.stamp` in the driver: convert the unit exactly once")
         .measured(measured)
         .measured(Measured::new("stamp / log time", ratio, "1"))
 }
@@ -114,13 +118,16 @@ fn wrong_unit(stream: &Stream<'_>, factor: f64, words: &str, log_s: f64, measure
 fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), measured: Measured) -> Finding {
     let severity = match named.specific {
         Specific::Single => Severity::Error,
-        // A name makes it no smaller: so far off it is an error without one.
+        // Beyond this limit it is an error with or without a known cause.
         Specific::Family if measured.value.abs() > far_s => Severity::Error,
         Specific::Family => Severity::Warning,
     };
+    let way = if measured.value > 0.0 { "ahead of" } else { "behind" };
     let message = format!(
-        "stamps on {} run {:+.2} s against {reference}: {}",
-        stream.subject, measured.value, named.what,
+        "{}: stamps are {:.2} s {way} {reference}: {}",
+        stream.subject,
+        measured.value.abs(),
+        named.what,
     );
     Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
@@ -129,5 +136,5 @@ fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), 
             -named.offset_s
         ))
         .measured(measured)
-        .measured(Measured::new("offset of that name", named.offset_s, "s"))
+        .measured(Measured::new("offset of this cause", named.offset_s, "s"))
 }

@@ -1,4 +1,4 @@
-//! TIME11: a recording is younger than the table of leap seconds it is judged by.
+//! TIME11: a recording is newer than the table of leap seconds that it is judged by.
 
 use crate::analysis::time::streams::{Clock, log_clock};
 use crate::rules::prelude::*;
@@ -22,13 +22,15 @@ impl Rule for LeapTableExpiry {
         for bag in &world.bags {
             let subject = format!("log clock of {}", world.path(bag.source));
             let (Some(end_ns), Clock::Calendar) = (bag.end_ns, log_clock(bag)) else {
-                out.not_applicable(subject, "the log clock shows no calendar time");
+                out.not_applicable(subject, "the log clock is not calendar time");
                 continue;
             };
             let days = (end_ns as f64 / 1e9 - table.expires.unix_s as f64) / 86_400.0;
             let measured = Measured::new("recorded after the table's end", days, "d").limit(limits.beyond_days);
             if days > limits.absurd_days {
-                let why = format!("the log clock shows a day {days:.0} days ahead: it was not set");
+                let why = format!(
+                    "the log clock is {days:.0} days past the end of the leap second table: it was probably not set"
+                );
                 out.not_evaluated(subject, NotEvaluated::InputBroken, why);
                 continue;
             }
@@ -37,15 +39,13 @@ impl Rule for LeapTableExpiry {
                 continue;
             }
             let (gps, tai) = (table.gps_minus_utc_s(f64::MAX), table.tai_minus_utc_s(f64::MAX));
-            let message = format!(
-                "the recording is {days:.0} days younger than the built-in table of leap seconds: GPS - UTC = {gps} s and \
-                 TAI - UTC = {tai} s may have changed"
-            );
+            let message = format!("the recording is {days:.0} days newer than the built-in table of leap seconds");
             out.fail(
                 Finding::note(subject, message, Place::whole(bag.source))
-                    .help(
-                        "look for a newer release; until then, a named offset of one second more or less may be right",
-                    )
+                    .detail(format!(
+                        "GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since the table's end."
+                    ))
+                    .help("install a newer release; until then, an offset that TIME01 names may be wrong by one second")
                     .measured(measured),
             );
         }

@@ -1,4 +1,4 @@
-//! TIME05: clouds of a sweeping lidar whose points have no times.
+//! TIME05: clouds of a scanning lidar whose points have no times.
 
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::{lidar::Clouds, names};
@@ -34,7 +34,10 @@ impl Rule for PointTimeMissing {
 fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("times of the points");
     if !clouds.is_of_a_lidar() {
-        return out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
+        return out.not_applicable(
+            subject,
+            "fields, topic and frame do not identify these as raw points of a lidar",
+        );
     }
     if clouds.evidence.samples.iter().all(|sample| sample.returns == 0) {
         return out.too_little(subject, "no cloud has a point");
@@ -42,7 +45,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     let most = clouds.timed().max_by_key(|(_, times)| times.distinct);
     if let Some((_, times)) = most.filter(|(_, times)| times.distinct > 2) {
         let seen = Measured::new(
-            format!("different times in `{}`, counted", times.field),
+            format!("distinct values of `{}`", times.field),
             f64::from(times.distinct),
             "1",
         );
@@ -50,14 +53,14 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     }
     let Some(period_s) = clouds.period_s().filter(|period_s| *period_s <= limits.max_period_s) else {
         let why = format!(
-            "how long a scan takes is not known: the clouds are not stamped one every {} s or oftener",
+            "the scan period is unknown: the clouds are not stamped at least every {} s",
             limits.max_period_s
         );
         return out.too_little(subject, why);
     };
     let what = match most {
-        Some((_, times)) => format!("have one time each scan (`{}`)", times.field),
-        None => "have no time".to_owned(),
+        Some((_, times)) => format!("have one time per scan (`{}`)", times.field),
+        None => "have no time field".to_owned(),
     };
     let severity = if most.is_none() && !spins(clouds) {
         Severity::Note
@@ -66,10 +69,12 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     };
     let Some(fastest) = Fastest::of(motion, limits) else {
         let message = format!(
-            "the points on `{}` {what}: where the platform moves, a scan of {period_s:.2} s is smeared and cannot be put right",
+            "`{}`: the points {what}; motion smears a scan of {period_s:.2} s",
             clouds.topic.topic
         );
-        let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place()).hint();
+        let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place())
+            .hint()
+            .detail("Nothing in the recording shows how fast the platform moves. Without times the smear cannot be corrected.");
         let measured = [Measured::new("time of a scan", period_s, "s").limit(limits.max_period_s)];
         return out.fail(named(finding, most.is_some()).measured(measured));
     };
@@ -81,22 +86,21 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         Measured::new("time of a scan", period_s, "s"),
     ];
     if smear_m < limits.min_smear_m {
-        let why = format!("the points {what}, and nothing moves so fast here that it would matter ({smear_m:.3} m)");
+        let why =
+            format!("the points {what}, but the platform moves too slowly for that to matter (smear {smear_m:.3} m)");
         return out.too_little(subject, why);
     }
     let message = format!(
-        "the points on `{}` {what}: at {:.1} m/s and {:.0} deg/s a scan of {period_s:.2} s is smeared by {smear_m:.2} m at {} m, and cannot \
-         be put right",
-        clouds.topic.topic,
-        fastest.speed_m_s,
-        fastest.rate_rad_s.to_degrees(),
-        limits.at_m
+        "`{}`: the points {what}; motion smears a scan by {smear_m:.2} m at {} m",
+        clouds.topic.topic, limits.at_m
     );
-    let finding = Finding::new(severity, subject, message, clouds.place()).likely();
+    let finding = Finding::new(severity, subject, message, clouds.place())
+        .likely()
+        .detail("The speed and the turn rate are 95th percentiles. Without times the smear cannot be corrected.");
     out.fail(named(finding, most.is_some()).measured(measured));
 }
 
-/// Whether anything says that one scan sweeps: a driver that is known by its points, or the number of the ring of each.
+/// Whether the points are known to be measured one after the other: by a driver recognised by its fields, or by the ring number of each point.
 fn spins(clouds: &Clouds) -> bool {
     let rings = ["ring", "line", "channel", "laser_id"];
     clouds.driver.is_some() || rings.iter().any(|name| clouds.datatype(name).is_some())
@@ -104,13 +108,13 @@ fn spins(clouds: &Clouds) -> bool {
 
 fn named(finding: Finding, is_constant: bool) -> Finding {
     let finding = finding.help(
-        "let the driver publish the time of each point (Ouster `t`, Velodyne `time`, Hesai and RoboSense `timestamp`: point type \
+        "publish the time of each point from the driver (Ouster `t`, Velodyne `time`, Hesai and RoboSense `timestamp`: point type \
          XYZIRT), or record the packets",
     );
     finding.relation(if is_constant { "constant" } else { "missing" })
 }
 
-/// How fast the platform is, at 95 per cent.
+/// How fast the platform moves and turns: 95th percentiles.
 struct Fastest {
     speed_m_s: f64,
     rate_rad_s: f64,
@@ -150,12 +154,12 @@ impl Fastest {
     }
 }
 
-/// The turn rate that the velocities of poses say.
+/// The turn rate by the velocities of poses.
 fn turning(stream: &Stream<PoseRow>) -> Option<f64> {
     high(stream.rows().filter_map(|timed| Some(norm(timed.row.twist?.angular))))
 }
 
-/// What 95 per cent are beneath, of the finite ones.
+/// The 95th percentile of the finite values.
 fn high(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);

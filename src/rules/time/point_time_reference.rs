@@ -1,4 +1,4 @@
-//! TIME08: which moment of a scan the header is stamped with.
+//! TIME08: at which moment of a scan its header is stamped.
 
 use crate::analysis::lidar::Clouds;
 use crate::rules::prelude::*;
@@ -28,10 +28,10 @@ enum Moment {
 impl Moment {
     fn words(self) -> &'static str {
         match self {
-            Self::Start => "the beginning",
-            Self::Middle => "the middle",
-            Self::End => "the end",
-            Self::Elsewhere => "no moment",
+            Self::Start => "at the start",
+            Self::Middle => "in the middle",
+            Self::End => "at the end",
+            Self::Elsewhere => "outside of it",
         }
     }
 }
@@ -64,7 +64,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         .collect();
     if told.len() < limits.min_clouds {
         let why = format!(
-            "of {} clouds it is known when their points were measured, against their header; {} are needed",
+            "in {} clouds the times of the points can be compared with the header stamp (unit and origin are known); {} are needed",
             told.len(),
             limits.min_clouds
         );
@@ -87,7 +87,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let place = |told: &Told| Place::message(clouds.bag.source, told.sample.at.clone());
     if most == Moment::Elsewhere {
         let message = format!(
-            "the header on `{}` is stamped at no moment of the scan: the points are from {:+.3} to {:+.3} s after it",
+            "`{}`: the header stamp is outside of the scan: points are {:+.3} to {:+.3} s after it",
             clouds.topic.topic,
             mean(0),
             mean(1)
@@ -95,13 +95,13 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         let finding = Finding::warning(subject, message, clouds.place())
             .likely()
             .relation("elsewhere")
-            .help("let points and header be of one clock; a scan is stamped with its first point, or its last");
+            .help("use one clock for the header and the points, and stamp the header at the first or the last point of the scan");
         return out.fail(finding.measured(measured));
     }
     let other = told.iter().find(|told| told.moment != most);
     if let Some(other) = other.filter(|_| count(most) < told.len() - 1) {
         let message = format!(
-            "the header on `{}` is stamped at {} of the scan in {} of {} clouds, and at {} in others",
+            "`{}`: header stamp is {} of the scan in {} of {} clouds, {} in others",
             clouds.topic.topic,
             most.words(),
             count(most),
@@ -111,13 +111,16 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         let finding = Finding::error(subject, message, place(other))
             .likely()
             .relation("changes")
-            .help("a consumer that takes the motion out needs one rule: look for packets that are lost, or a clock that is set");
+            .help(
+                "stamp every scan at the same moment: look for lost packets, or a clock that is set while recording. Deskewing needs one \
+                 fixed reference",
+            );
         return out.fail(finding.measured(measured));
     }
     out.pass(subject, measured);
 }
 
-/// When the points of a cloud are, against the header; `None` where unit, period or origin of their times are not known.
+/// When the points of a cloud were measured, relative to the header stamp; `None` where unit, period or origin of their times are unknown.
 fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits: &Limits) -> Option<Told<'w>> {
     let (unit_s, _) = clouds.unit(times)?;
     let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
@@ -127,7 +130,7 @@ fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits
     };
     let origin_s = match times.timebase_ns {
         Some(timebase_ns) => (i128::from(timebase_ns) - i128::from(stamp_ns)) as f64 * 1e-9,
-        // The difference first: of a time since 1970 nanoseconds are not left in a double.
+        // The difference first: a double does not hold the nanoseconds of a time since 1970.
         None if is_absolute => -(stamp_ns as f64) * 1e-9,
         None => 0.0,
     };

@@ -1,4 +1,4 @@
-//! TIME07: which way a lidar sweeps, by the times of its points.
+//! TIME07: in which direction a lidar sweeps, by the times of its points.
 
 mod laser;
 
@@ -50,7 +50,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         all if all == told.len() => Sweep::Clockwise,
         _ => {
             let why = format!(
-                "{clockwise} of {} clouds sweep clockwise, the others not: their times are in no order",
+                "{clockwise} of {} clouds sweep clockwise, the others counter-clockwise: the direction is not determined",
                 told.len()
             );
             return out.too_little(subject, why);
@@ -61,13 +61,19 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             .limit(limits.min_resultant)
             .samples(told.len() as u64),
         Measured::new(
-            "resultant of the other way",
+            "resultant of the other direction",
             told.iter().map(|told| told.2).fold(0.0, f64::max),
             "1",
         ),
     ];
     let Some((driver, expected)) = clouds.driver.and_then(|driver| Some((driver, driver.sweep?))) else {
-        return out.missing(subject, format!("it sweeps {}, and nothing says which way this lidar turns", words(seen)));
+        return out.missing(
+            subject,
+            format!(
+                "the points sweep {}, but the direction of this lidar is not in the tables",
+                words(seen)
+            ),
+        );
     };
     if seen == expected {
         return out.pass(subject, measured);
@@ -75,12 +81,12 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let mount = clouds.frame().and_then(|frame| mount(world, &frame));
     let up = mount.map(|mount| (mount.base_from_sensor.rotation * Vector3::z()).z);
     if up.is_some_and(|up| up <= -limits.upright) {
-        return out.not_applicable(subject, "it sweeps the other way round, in a frame that is mounted with z down: seen from above that is right only where the cloud \
-                   is expressed in axes that are turned besides (AXES10)");
+        let why = "the sweep is reversed, but the frame is mounted with z down: that is right only where the axes of the cloud are rotated too \
+                   (AXES10)";
+        return out.not_applicable(subject, why);
     }
     let message = format!(
-        "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down, or the times of \
-         the points run backwards",
+        "`{}`: the points sweep {} about z; a {} sweeps {}",
         clouds.topic.topic,
         words(seen),
         driver.name,
@@ -89,8 +95,12 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("mirrored")
-        .help("look for y (or x) with the wrong sign where the points are made, an angle that is counted the other way, or times that count from the \
-             end of the scan");
+        .detail(
+            "The cloud is mirrored, its z axis points down, or the times of its points run backwards: the sweep alone does not distinguish these.",
+        )
+        .help(
+            "look for a wrong sign of y (or x) or of an angle where the points are computed, or for times that count from the end of the scan",
+        );
     out.fail(finding.measured(measured));
 }
 

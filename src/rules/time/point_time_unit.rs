@@ -37,13 +37,13 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("unit of the times of the points");
     let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     let Some(period_s) = clouds.period_s() else {
-        let why = "the clouds have no steps between their stamps: how long a scan takes is not known";
+        let why = "the scan period is unknown: the stamps of the clouds do not advance";
         return little(why.to_owned(), out);
     };
     let timed: Vec<_> = clouds.timed().filter(|(_, times)| times.distinct > 2).collect();
     if timed.len() < limits.min_clouds {
         let why = format!(
-            "{} clouds have times that differ, {} are needed",
+            "{} clouds have points with different times; {} are needed",
             timed.len(),
             limits.min_clouds
         );
@@ -64,7 +64,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let Some(unit_s) = most.filter(|unit_s| counted(*unit_s) as f64 >= limits.min_agreement * timed.len() as f64)
     else {
         let why = format!(
-            "`{field}` spans {span} in a cloud, which is a scan of {period_s:.3} s in none of seconds, milli-, micro- and nanoseconds"
+            "`{field}` spans {span} in a cloud, which is no scan of {period_s:.3} s in seconds, milli-, micro- or nanoseconds"
         );
         return little(why, out);
     };
@@ -72,35 +72,40 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let what = format!("span of `{field}` in a cloud, read as {word}");
     let measured = [
         Measured::new(what, span * unit_s, "s").samples(timed.len() as u64),
-        Measured::new("from one cloud to the next", period_s, "s"),
+        Measured::new("scan period", period_s, "s"),
     ];
     let Some((expected_s, by)) = expected(clouds, field) else {
-        let why = format!("`{field}` is in {word} by its span, and nothing says what it should be in");
+        let why = format!(
+            "`{field}` is in {word} by its span, but no known driver has these fields: the right unit is unknown"
+        );
         return out.missing(subject, why);
     };
     if (expected_s / unit_s - 1.0).abs() < 0.5 {
         return out.pass(subject, measured);
     }
     let message = format!(
-        "`{field}` on `{}` spans {span} in a cloud: a scan of {period_s:.3} s in {word}, where {by} has {}",
+        "`{}`: `{field}` is in {word}, but {by} {}",
         clouds.topic.topic,
         Clouds::unit_word(expected_s)
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation("unit")
+        .detail(format!(
+            "`{field}` spans {span} in a cloud: only as {word} does that match the scan period of {period_s:.3} s."
+        ))
         .help(format!(
-            "publish {}, or tell the consumer (`timestamp_unit` of FAST-LIO, `time_unit` of others) that they are {word}",
+            "publish `{field}` in {}, or set the unit of the consumer to {word} (`timestamp_unit` of FAST-LIO, `time_unit` of others)",
             Clouds::unit_word(expected_s)
         ));
     out.fail(finding.measured(measured));
 }
 
-/// The unit that the field should be in, seconds, and who says so.
+/// The unit that the field should be in, seconds, and the words that say why.
 fn expected(clouds: &Clouds, field: &str) -> Option<(f64, String)> {
     let of_driver = |driver: &CloudDriver| {
         let time = driver.time.as_ref().filter(|time| time.field == field)?;
-        Some((time.unit_s, format!("the driver ({})", driver.name)))
+        Some((time.unit_s, format!("the driver ({}) uses", driver.name)))
     };
     if let Some(known) = clouds.driver.and_then(of_driver) {
         return Some(known);
@@ -109,5 +114,5 @@ fn expected(clouds: &Clouds, field: &str) -> Option<(f64, String)> {
         "t_us" => 1e-6,
         _ => return None,
     };
-    Some((by_name, "its name".to_owned()))
+    Some((by_name, "its name means".to_owned()))
 }

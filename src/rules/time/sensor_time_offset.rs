@@ -1,4 +1,4 @@
-//! TIME09: what one sensor's stamps say happened sooner or later than another's, by the motion that both saw.
+//! TIME09: the offset between the stamps of two sensors, by the motion that both measured.
 
 use crate::advice::together::tell_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
@@ -25,7 +25,7 @@ impl Rule for SensorTimeOffset {
     }
 }
 
-/// Whether a signal is an orientation that is known to be wrong: its lag is none.
+/// Whether a signal is an orientation that is known to be wrong: its lag means nothing.
 fn is_wrong(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> bool {
     let mut known = motion.imus.iter().zip(sensors);
     let own = known.find(|(imu, _)| signal.kind == Kind::Orientation && imu.stream.subject == signal.stream);
@@ -54,12 +54,15 @@ fn judge_bag(
     for (second, found) in others {
         let subject = second.subject.clone();
         if is_wrong(second, motion, sensors) {
-            out.not_applicable(subject, "the orientation is wrong by itself: its lag says nothing");
+            out.not_applicable(
+                subject,
+                "the orientation itself is wrong, so its lag means nothing: fix that fault first",
+            );
             continue;
         }
         match found {
             Err(Without::Silent(_, why)) => {
-                out.too_little(subject, format!("against {}, {why}", words(first)));
+                out.too_little(subject, format!("compared with {}: {why}", words(first)));
             }
             Err(Without::Varies(why)) => out.too_little(subject, why),
             Ok(offset) => {
@@ -70,8 +73,7 @@ fn judge_bag(
                 let beyond_s = size_s - give_s - limit_s;
                 if beyond_s <= 0.0 && size_s + give_s > limit_s {
                     let why = format!(
-                        "an offset of {:+.3} s against {}, give or take {give_s:.3} s: whether it is within the {limit_s:.3} s that are \
-                         sound cannot be told",
+                        "the offset is {:+.3} s +-{give_s:.3} s from {}: too uncertain to compare with the limit of {limit_s:.3} s",
                         offset.in_stamps_s,
                         words(first)
                     );
@@ -95,11 +97,11 @@ fn judge_bag(
         .into_iter()
         .partition(|finding: &Finding| finding.measured.first().is_some_and(|measured| measured.value > 0.0));
     for together in [later, sooner] {
-        tell_once(together, "run likewise", out);
+        tell_once(together, "do the same", out);
     }
 }
 
-/// Up to which offset two signals are sound, seconds.
+/// The largest offset of two signals without a fault, seconds.
 fn limit_s(first: &Signal, second: &Signal, limits: &Limits) -> f64 {
     let of = |signal: &Signal| match signal.kind {
         Kind::Fix => limits.fix_s + signal.period_s,
@@ -109,7 +111,7 @@ fn limit_s(first: &Signal, second: &Signal, limits: &Limits) -> f64 {
     of(first).max(of(second))
 }
 
-/// What velocities made of the difference to the message before are late by, seconds: half a period of the slower signal.
+/// The delay of velocities that are computed from the difference to the previous message, seconds: half a period of the slower signal.
 fn slack_s(first: &Signal, second: &Signal) -> f64 {
     [first, second]
         .map(|signal| {
@@ -126,7 +128,7 @@ fn slack_s(first: &Signal, second: &Signal) -> f64 {
 fn measured(first: &Signal, offset: &Offset, limit_s: f64) -> [Measured; 2] {
     [
         Measured::new(
-            format!("after {}, by {}", words(first), offset.by.words()),
+            format!("offset from {}, by {}", words(first), offset.by.words()),
             offset.in_stamps_s,
             "s",
         )
@@ -168,25 +170,22 @@ fn late(
 ) -> Finding {
     let way = if offset.in_stamps_s > 0.0 { "after" } else { "before" };
     let size_s = offset.in_stamps_s.abs();
-    let message = format!(
-        "by its stamps, {} shows the motion {size_s:.3} s {way} {} (+-{:.3} s; {}, correlation {:.2}, alike in all parts of the \
-         recording)",
-        second.subject,
-        words(first),
-        limits.sigmas * offset.sigma_s,
-        offset.by.words(),
-        offset.correlation
+    let message = format!("{} is stamped {size_s:.3} s {way} {}", second.subject, words(first));
+    let detail = format!(
+        "Compared by the motion that both measured; the offset (+-{:.3} s) is the same in all parts of the recording. Which of the two is off \
+         does not show.",
+        limits.sigmas * offset.sigma_s
     );
     let help = format!(
-        "stamp with the time of measuring, not of arrival; find which of the two is off, or tell the filter the delay: {} {size_s:.3} \
-         s {} the stamps of {}",
-        if offset.in_stamps_s > 0.0 { "take" } else { "add" },
+        "stamp with the time of measurement, not of arrival; or set the delay in the filter: {} {size_s:.3} s {} the stamps of {}",
+        if offset.in_stamps_s > 0.0 { "subtract" } else { "add" },
         if offset.in_stamps_s > 0.0 { "from" } else { "to" },
         second.subject
     );
     let severity = if is_large { Severity::Warning } else { Severity::Note };
     let finding = Finding::new(severity, &second.subject, message, second.place.clone())
         .likely()
+        .detail(detail)
         .help(help)
         .related(first.place.clone(), words(first));
     finding.measured(measured)

@@ -32,7 +32,10 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     let subject = stream.subject.clone();
     let stamps = stream.stamps;
     if stamps.count < limits.min_messages {
-        out.too_little(subject, format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages));
+        out.too_little(
+            subject,
+            format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages),
+        );
         return false;
     }
     if stamps.zero == stamps.count {
@@ -55,7 +58,10 @@ fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Lim
         out.fail(finding);
     }
     if sound && is_reused {
-        out.not_applicable(stream.subject.clone(), "stamps hardly change");
+        out.not_applicable(
+            stream.subject.clone(),
+            "nearly all messages repeat a stamp: TIME10 judges that",
+        );
     } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
         out.pass(
@@ -71,7 +77,7 @@ fn at(stream: &Stream<'_>, message: &MessageRef) -> Place {
     Place::message(stream.source, message.clone())
 }
 
-/// Small steps back are normal where several publishers share a topic; one publisher's stamps only grow.
+/// Small steps back are normal where several publishers share a topic; the stamps of one publisher only grow.
 fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
     let (step_ns, message) = stream.stamps.largest_backward.as_ref()?;
     let step_s = *step_ns as f64 / 1e9;
@@ -84,15 +90,16 @@ fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
     } else {
         Severity::Warning
     };
-    let what = format!(
-        "stamps on {} run backwards {} time(s), at most by {step_s:.3} s",
-        stream.subject, stream.stamps.backward
-    );
+    let times = match stream.stamps.backward {
+        1 => "once, by".to_owned(),
+        times => format!("{times} times, by up to"),
+    };
+    let what = format!("{}: stamps run backwards {times} {step_s:.3} s", stream.subject);
     let finding = Finding::new(severity, stream.subject.clone(), what, at(stream, message))
         .help(if jump {
-            "look for a clock that was set back, a recording that was joined or looped, or two publishers on one topic"
+            "look for a clock that was set back, a joined or looped recording, or two publishers on one topic"
         } else {
-            "look for two publishers on one topic, or messages sent out of order"
+            "look for two publishers on one topic, or messages that are sent out of order"
         })
         .measured(
             Measured::new("largest step back", step_s, "s")
@@ -103,7 +110,7 @@ fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
     Some(if jump { finding } else { finding.likely() })
 }
 
-/// Of two transforms with one stamp tf2 takes the first, and a replay or another node may see the other.
+/// Of two transforms with one stamp tf2 keeps the first; a replay or another node may get the other.
 fn contradicting(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
     let Of::Edge(edge) = stream.of else { return None };
     let found = edge.contradictions.as_ref()?;
@@ -112,14 +119,14 @@ fn contradicting(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
         return None;
     }
     let what = format!(
-        "{} transform(s) `{}` -> `{}` on {} repeat the stamp of the one before with another pose, up to {:.2} m and {angle_deg:.1} deg off: tf2 \
-         takes the first and drops the other",
-        found.count, edge.parent, edge.child, edge.topic, found.distance_m
+        "{}: two poses at one stamp, up to {:.2} m and {angle_deg:.1} deg apart",
+        stream.subject, found.distance_m
     );
     let finding = Finding::warning(stream.subject.clone(), what, at(stream, &found.worst))
-        .help("let one node publish this transform, once for each stamp")
+        .detail("tf2 keeps the first transform of a stamp and drops the others.")
+        .help("publish this transform from one node only, once for each stamp")
         .measured(Measured::new("largest difference at one stamp", found.distance_m, "m").limit(limits.contradicts_m))
-        .measured(Measured::new("largest turn at one stamp", angle_deg, "deg").limit(limits.contradicts_deg))
+        .measured(Measured::new("largest rotation at one stamp", angle_deg, "deg").limit(limits.contradicts_deg))
         .measured(Measured::new("contradictions", found.count as f64, "count").samples(stream.stamps.count));
     Some(finding)
 }
@@ -132,12 +139,13 @@ fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
         return None;
     }
     let what = format!(
-        "{:.0} % of the stamps on {} equal the one before: tf2 ignores the repetition, filters divide by zero time",
-        share * 100.0,
-        stream.subject
+        "{}: {:.0} % of the stamps repeat the previous one",
+        stream.subject,
+        share * 100.0
     );
     Some(
         Finding::note(stream.subject.clone(), what, at(stream, message))
+            .detail("tf2 ignores a transform with a repeated stamp, and filters divide by a time step of zero.")
             .help("stamp each message with the time of its own measurement")
             .measured(
                 Measured::new("share of repeated stamps", share, "1")

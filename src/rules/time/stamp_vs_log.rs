@@ -32,7 +32,7 @@ impl Rule for StampVsLog {
     }
 }
 
-/// Whether the stream's stamps are the time of measuring and can be held against the log clock.
+/// Whether the stream's stamps are the time of measurement and can be compared with the log clock.
 fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
@@ -42,25 +42,26 @@ fn is_judged(
 ) -> bool {
     let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
-        let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
+        let why = format!("{n} non-zero stamps, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)
     } else if !stream.is_live() {
-        let why = "messages of this type may carry the time of what they were made from";
+        let why = "messages of this type may carry the stamp of the data that they were computed from";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.is_reused(reused) {
-        let why = "stamps hardly change";
+        let why = "nearly all messages repeat a stamp: TIME10 judges that";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
         return true;
     } else {
-        let why = "stamps and log time are of different kinds of clock";
+        let why =
+            "the stamps and the log time are from different kinds of clock (calendar time, or time since a start)";
         (NotEvaluated::NotApplicable, why.to_owned())
     };
     out.not_evaluated(stream.subject.clone(), why, reason);
     false
 }
 
-/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's, or other
+/// Whether an uptime clock must still advance like a log in calendar time: it is a GNSS receiver's, or other
 /// streams show calendar time. The clock of a simulation may run at any rate.
 fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>]) -> bool {
     let calendar = all.iter().any(|other| other.clock() == Some(Clock::Calendar));
@@ -83,7 +84,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             .spread(spread)
             .limit(limits.late_s);
         if named || !naming.is_comparable(stream) {
-            let why = format!("stamps run {offset:.3} s off the log clock, and are of another clock or time scale");
+            let why = format!("stamps are {offset:.3} s from the log clock, on another clock or time scale");
             out.not_applicable(stream.subject.clone(), why);
         } else {
             out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);
@@ -92,8 +93,8 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
     found
 }
 
-/// Faults of one kind and size have one cause, and are told once. Where every stream of several shows it, the log clock
-/// is the odd one out.
+/// Reports faults of one kind and size as one finding, since they have one cause. Where all of several streams have it, the log clock
+/// itself is probably wrong.
 fn tell(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) {
     found.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.size.total_cmp(&b.size)));
     let mut left = found.into_iter().peekable();
@@ -107,8 +108,8 @@ fn tell(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) 
         }
         let all = findings.len() == judged && findings.len() >= limits.all_streams;
         if let (true, Some(first)) = (all, findings.first_mut()) {
-            "the streams agree with each other, so the log clock is the odd one out: a recording made while another was \
-             played back, or a recorder whose clock was not set"
+            "check the recorder's clock: all streams agree with each other and not with the log clock. Probably another \
+             recording was played back while recording, or the recorder's clock was not set"
                 .clone_into(&mut first.help);
             first.severity = first.severity.min(Severity::Warning);
             first.confidence = first.confidence.min(Confidence::Likely);

@@ -1,4 +1,4 @@
-//! TIME10: transforms lie in the future or far behind the sensors, or many messages share one stamp.
+//! TIME10: transforms are stamped in the future or far behind the sensors, or many messages share one stamp.
 
 use crate::advice::together::tell_once;
 use crate::analysis::time::naming::Naming;
@@ -33,7 +33,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
         if !(is_edge || stream.is_live()) || !has_enough(stream, limits, out) {
             continue;
         }
-        // An offset that has a name is said better by it.
+        // TIME01 reports an offset with a known cause better.
         let mut tell_off = |finding: Finding, found: &mut Vec<Finding>| {
             if naming.has_word(stream) {
                 out.fail(finding.unless(codes::TIME01));
@@ -58,19 +58,22 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
                 );
             }
         } else {
-            out.missing(stream.subject.clone(), "no clock of the same kind and rate to hold it against");
+            out.missing(
+                stream.subject.clone(),
+                "neither the log clock nor a sensor's stamps are of the same kind and rate to compare with",
+            );
         }
     }
-    tell_once(ahead, "run likewise", out);
-    tell_once(behind, "run likewise", out);
-    tell_once(reused, "share stamps likewise", out);
+    tell_once(ahead, "are ahead too", out);
+    tell_once(behind, "are behind too", out);
+    tell_once(reused, "repeat stamps too", out);
 }
 
-/// Constant transforms are good at any time, and few messages say nothing.
+/// Constant transforms are valid at any time, and few messages prove nothing.
 fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
-        let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
+        let why = format!("{n} non-zero stamps, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)
     } else if matches!(stream.of, Of::Edge(_)) && !stream.moves(limits) {
         let why = "the transform never changes: its stamp does not matter";
@@ -82,10 +85,10 @@ fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     false
 }
 
-/// How far an edge's stamps run ahead of the log clock or of the sensors, whichever is nearer: seconds, and of what.
+/// How far an edge's stamps are ahead of the log clock or of the sensors, whichever is nearer: seconds, and of which.
 ///
-/// Only offsets that hold still are compared: where a clock runs at another rate, medians of streams that were seen at
-/// other times differ by that alone.
+/// Only constant offsets are compared: where a clock runs at another rate, medians of streams that were recorded at
+/// different times differ for that reason alone.
 fn lead(
     stream: &Stream<'_>,
     sensors: &[&Stream<'_>],
@@ -110,16 +113,16 @@ fn off(stream: &Stream<'_>, of: &str, measured: Measured) -> Finding {
     let (way, help) = if lead_s > 0.0 {
         (
             "ahead of",
-            "a localisation may stamp a little ahead (`transform_tolerance`, at most a second); more, and look-ups \
-             answer with what is not known yet",
+            "stamp the transform with the time of the estimate. A localisation may stamp it ahead by its `transform_tolerance`, at \
+             most a second; beyond that, look-ups return poses that are not known yet",
         )
     } else {
         (
             "behind",
-            "look-ups at the sensors' stamps wait that long or fail: stamp with the time of the estimate",
+            "stamp the transform with the time of the estimate. Look-ups at the sensors' stamps wait that long, or fail",
         )
     };
-    let message = format!("{} is stamped {:.2} s {way} {of}", stream.subject, lead_s.abs());
+    let message = format!("{}: stamps are {:.2} s {way} {of}", stream.subject, lead_s.abs());
     Finding::warning(stream.subject.clone(), message, stream.place())
         .likely()
         .help(help)
@@ -134,11 +137,12 @@ fn unique(stream: &Stream<'_>, limits: &Limits) -> Measured {
 
 fn one_stamp(stream: &Stream<'_>, limits: &Limits) -> Finding {
     let message = format!(
-        "{} repeats its stamps: {} of {} messages carry the one before, though their content is of different times",
+        "{}: {} of {} messages repeat the previous stamp",
         stream.subject, stream.stamps.repeated, stream.stamps.count
     );
     Finding::warning(stream.subject.clone(), message, stream.place())
         .likely()
-        .help("stamp each message with the time it is for, not with that of the first message or of the start")
+        .detail("The content of the messages is from different times.")
+        .help("stamp each message with its own time, not with that of the first message or of the start")
         .measured(unique(stream, limits))
 }

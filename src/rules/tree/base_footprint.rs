@@ -1,4 +1,4 @@
-//! TREE13: `base_footprint` that is not the level shadow of `base_link` on the ground.
+//! TREE13: `base_footprint` that is not the level projection of `base_link` onto the ground.
 
 use crate::analysis::tree::footprint::{LevelPath, Limits, Mount, level_paths, mounts};
 use crate::math::stats::quantile;
@@ -30,7 +30,7 @@ impl Rule for BaseFootprint {
             }
             let subject = subject(footprint);
             if measured.is_empty() {
-                out.too_little(subject, format!("no transform to `{base}`, and none that moves it in `odom` or `map`"));
+                out.too_little(subject, format!("no transform to `{base}`, and no moving transform from `odom` or `map`"));
             } else if findings.is_empty() {
                 out.pass(subject, measured);
             }
@@ -53,20 +53,19 @@ fn judge_mount(
     measured: &mut Vec<Measured>,
     findings: &mut Vec<Finding>,
 ) {
-    let yaw = Measured::new("yaw off", mount.yaw_deg, "deg")
+    let yaw = Measured::new("yaw difference", mount.yaw_deg, "deg")
         .turn()
         .limit(limits.max_yaw_deg);
-    let below = Measured::new("below", mount.below_m, "m").limit(limits.max_below_m);
+    let below = Measured::new("base below footprint", mount.below_m, "m").limit(limits.max_below_m);
     let finding = |message| Finding::warning(subject(footprint), message, mount.place.clone()).likely();
     if mount.yaw_deg > limits.max_yaw_deg {
-        let turned = format!("`{base}` is turned by {:.1} deg about", mount.yaw_deg);
-        let help = "both look the same way: the footprint is the base without roll, pitch and height (REP-120)";
-        let finding = finding(format!("{turned} the vertical of `{footprint}`"));
+        let help = "give both the same yaw: base_footprint is base_link without roll, pitch and height (REP-120)";
+        let finding = finding(format!("`{base}` is rotated by {:.1} deg about z of `{footprint}`", mount.yaw_deg));
         findings.push(finding.help(help).measured(yaw.clone()));
     }
     if mount.below_m > limits.max_below_m {
-        let help = "the footprint lies on the ground: check the sign of z, and which of the two is the parent";
-        let finding = finding(format!("`{base}` lies {:.3} m below `{footprint}`", mount.below_m));
+        let help = "check the sign of z, and which of the two is the parent: base_footprint is on the ground";
+        let finding = finding(format!("`{base}` is {:.3} m below `{footprint}`", mount.below_m));
         findings.push(finding.help(help).measured(below.clone()));
     }
     measured.extend([yaw, below]);
@@ -84,33 +83,34 @@ fn judge_tilt(
     let Some((deg, (most, place))) = quantile(&degrees, 0.95).zip(worst) else {
         return;
     };
-    let tilt = Measured::new("tilt, 95 of 100 samples below", deg, "deg")
+    let tilt = Measured::new("tilt, 95th percentile", deg, "deg")
         .limit(limits.max_tilt_deg)
         .samples(degrees.len() as u64);
     if deg > limits.max_tilt_deg {
         let (parent, child) = (&path.edge.parent, &path.edge.child);
-        let is_on_its_head = quantile(&degrees, 0.05).is_some_and(|least| least > limits.upside_down_deg);
-        let finding = if is_on_its_head {
-            let message = format!(
-                "`{child}` stands on its head in `{parent}` ({deg:.1} deg in 95 of 100 samples): z of one of them points down, as of a \
-                 body of forward, right, down, or of a world of north, east, down. These data cannot tell which"
-            );
-            Finding::warning(subject(footprint), message, place.clone()).help(format!(
-                "tell `{parent}` -> `{child}` of a body forward, left, up in a world whose z is up (REP-103): `R_flu = R_frd * F`, or \
-                 `R_enu = P * R_ned` and (y, x, -z) of the position"
-            ))
-        } else if child == footprint {
-            let message = format!(
-                "`{footprint}` is tilted against `{parent}`: {deg:.1} deg in 95 of 100 samples, {most:.1} deg at most"
-            );
+        let is_upside_down = quantile(&degrees, 0.05).is_some_and(|least| least > limits.upside_down_deg);
+        let finding = if is_upside_down {
+            let message = format!("`{child}` is upside down in `{parent}`: tilted by {deg:.1} deg");
             Finding::warning(subject(footprint), message, place.clone())
+                .detail(
+                    "z of one of the two points down: a forward-right-down body, or a north-east-down world. These data \
+                     cannot distinguish the two.",
+                )
+                .help(format!(
+                    "publish `{parent}` -> `{child}` with a forward-left-up body in a z-up world (REP-103): `R_flu = R_frd * F` with \
+                     F = diag(1, -1, -1) for the body, or `R_enu = P * R_ned` and position (y, x, -z) for the world, where P \
+                     exchanges x and y and negates z"
+                ))
+        } else if child == footprint {
+            let message = format!("`{footprint}` is tilted by {deg:.1} deg in `{parent}` (95th percentile)");
+            Finding::warning(subject(footprint), message, place.clone())
+                .detail(format!("The largest tilt is {most:.1} deg."))
                 .help(format!("publish `{parent}` -> `{footprint}` with yaw only, and roll and pitch in the transform to `base_link` (REP-120)"))
         } else {
-            let message = format!(
-                "`{footprint}` is fixed to `{child}` and tilts with it against `{parent}`: {deg:.1} deg in 95 of 100 samples"
-            );
+            let message = format!("`{footprint}` is fixed to `{child}` and tilts with it in `{parent}`, by {deg:.1} deg");
             Finding::note(subject(footprint), message, place.clone())
-                .help("do not take it for the ground while the vehicle rolls, pitches or climbs")
+                .detail("The tilt is the 95th percentile.")
+                .help("do not use it as the ground while the vehicle rolls, pitches or climbs")
         };
         findings.push(finding.likely().measured(tilt.clone()));
     }

@@ -1,4 +1,4 @@
-//! TREE14: corrections of `map` -> `odom` that are jumps.
+//! TREE14: corrections of `map` -> `odom` that jump.
 
 use crate::analysis::tree::corrections::{Jump, keepers, was_asked};
 use crate::analysis::tree::steps::{of_moving, outstanding, takes_turns};
@@ -12,19 +12,19 @@ pub(crate) struct MapOdomJump;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Shift at the vehicle from which a correction is a jump, metres.
+    /// Shift of the vehicle from which a correction is a jump, metres.
     pub jump_m: f64,
-    /// Turn from which a correction is a jump, degrees.
+    /// Rotation from which a correction is a jump, degrees.
     pub jump_deg: f64,
-    /// A correction is a jump as well if it is so many times the one that 95 of 100 stay below ...
+    /// A correction is also a jump if it is so many times the 95th percentile ...
     pub times_usual: f64,
     /// ... and at least so large, metres ...
     pub least_m: f64,
     /// ... or degrees.
     pub least_deg: f64,
-    /// Corrections needed to say what is usual.
+    /// Corrections needed for the percentile.
     pub min_corrections: u64,
-    /// How far an operator's `initialpose` may lie before the jump that it causes, seconds.
+    /// Largest time between an operator's `initialpose` and the jump that it causes, seconds.
     pub initial_pose_s: f64,
 }
 
@@ -52,7 +52,7 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
     let steps = &edge.steps;
     if steps.count == 0 {
         return out.too_little(
-            subject, "no two transforms follow one another",
+            subject, "it has fewer than two consecutive transforms",
         );
     }
     let enough = steps
@@ -78,7 +78,7 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
     let shift = Measured::new("largest shift of the vehicle", largest(|jump| jump.m), "m")
         .limit(limit_m)
         .samples(steps.count);
-    let turn = Measured::new("largest turn", largest(|jump| jump.deg), "deg")
+    let turn = Measured::new("largest rotation", largest(|jump| jump.deg), "deg")
         .limit(limit_deg)
         .samples(steps.count);
     let jumps: Vec<&Jump> = corrections
@@ -87,9 +87,9 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         .collect();
     if jumps.is_empty() {
         if between_windows(bag, edge, limits) {
-            out.too_little(subject, "it changes by more than a jump between the parts of the recording that were read");
+            out.too_little(subject, "it changes by more than the limits between the parts of the recording that were read");
         } else if takes_turns(steps) {
-            let why = "two writers take turns with different values: its steps are those between them";
+            let why = "two publishers alternate with different values, so its steps are not corrections (see AUTH01)";
             out.not_applicable(subject, why);
         } else {
             out.pass(
@@ -123,7 +123,7 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
     let shown: Vec<String> = jumps.iter().take(SHOWN).map(|jump| jump.words(bag)).collect();
     let more = jumps.len().saturating_sub(SHOWN);
     let list = format!(
-        "{}{}",
+        "Jumps: {}{}.",
         shown.join(", "),
         if more > 0 {
             format!(" and {more} more")
@@ -136,30 +136,34 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
     let asked = jumps.iter().all(|jump| was_asked(bag, jump, limits.initial_pose_s));
     let worst = jumps.iter().max_by(|a, b| a.m.total_cmp(&b.m));
     let first = worst.map_or_else(|| Place::whole(bag.source), |jump| place(jump));
-    let message = format!("`{parent}` -> `{child}` jumps, and the vehicle in `{parent}` with it: {list}");
+    let largest = |of: fn(&Jump) -> f64| jumps.iter().map(|jump| of(jump)).fold(0.0, f64::max);
+    let message = format!(
+        "`{parent}` -> `{child}` jumps {}, and moves the vehicle by up to {:.2} m and {:.1} deg",
+        if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
+        largest(|jump| jump.m),
+        largest(|jump| jump.deg),
+    );
     let finding = if asked {
-        Finding::note(
-            subject,
-            format!("{message}; an initial pose was set just before"),
-            first,
-        )
-        .help("nothing, if someone set the pose by hand")
+        Finding::note(subject, message, first)
+            .detail(format!("An initial pose was set just before. {list}"))
+            .help("check that someone set the pose by hand; nothing else is to do then")
     } else if keepers.is_empty() {
-        Finding::note(subject, message, first).help(format!(
-            "a localizer may do so (REP-105); whoever keeps data in `{parent}` must drop or move them then"
+        Finding::note(subject, message, first).detail(list).help(format!(
+            "drop or move data that are kept in `{parent}` when it jumps, which a localizer may do (REP-105)"
         ))
     } else {
-        let message = format!("{message}; {} keep data in `{parent}`", keepers.join(", "));
-        Finding::warning(subject, message, first).help(format!(
-            "keep running data in `{child}`, or drop and move what is kept in `{parent}` at these times; \
-             look at the localizer if it was not a loop closure"
+        let verb = if keepers.len() == 1 { "is" } else { "are" };
+        let detail = format!("{} {verb} expressed in `{parent}`. {list}", keepers.join(", "));
+        Finding::warning(subject, message, first).detail(detail).help(format!(
+            "keep running data in `{child}`, or drop or move what is kept in `{parent}` at these times; \
+             check the localizer if it was not a loop closure"
         ))
     };
     let others = jumps
         .iter()
         .filter(|jump| worst.is_none_or(|worst| jump.at.after.at != worst.at.after.at))
         .take(SHOWN);
-    others.fold(finding.likely().label("behind the largest jump"), |finding, jump| {
+    others.fold(finding.likely().label("after the largest jump"), |finding, jump| {
         finding.related(place(jump), format!("{:.2} m and {:.1} deg", jump.m, jump.deg))
     })
 }

@@ -1,4 +1,4 @@
-//! TREE16: a correction of `map` that is not there, not moving, or not applied to what is called a map.
+//! TREE16: a correction `map` -> `odom` that is missing, constant, or not applied to a topic that is named a map.
 
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::tree::drift::{Limits, drift};
@@ -60,11 +60,11 @@ fn judge_odom(
     }
     let map = edge.parent.canonical();
     let value = if is_identity(edge, limits) {
-        "is the identity"
+        "the identity"
     } else {
-        "is the same"
+        "the same"
     };
-    let seen = format!("`{map}` -> `{odom}` {value} in all {} transforms", edge.count);
+    let seen = format!("`{map}` -> `{odom}` is {value} in all {} transforms", edge.count);
     let drift = match drift(motion, odom, &map, limits) {
         Ok(drift) => drift,
         Err(why) => return out.missing(subject, format!("{seen}; {why}")),
@@ -72,20 +72,21 @@ fn judge_odom(
     match drift.is_told(limits) {
         Some(true) => {
             let message = format!(
-                "{seen}, and the odometry drifts: {:.2} m against {} in {:.0} m of way, which nothing corrects",
-                drift.by_m, drift.against, drift.way_m
+                "`{map}` -> `{odom}` is constant, but the odometry drifts by {:.2} m over {:.0} m",
+                drift.by_m, drift.way_m
             );
             let finding =
                 Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone())).likely();
+            let finding = finding.detail(format!("{seen}. The drift is relative to {}.", drift.against));
             let finding = finding.help(format!(
-                "run the localizer that publishes `{map}` -> `{odom}`; a constant one makes a `{map}` that drifts like `{odom}`"
+                "run the localizer that publishes `{map}` -> `{odom}`: with a constant transform, `{map}` drifts like `{odom}`"
             ));
             out.fail(finding.measured(drift.measured(limits)));
         }
         Some(false) => out.pass(subject, drift.measured(limits)),
         None => {
             let why = format!(
-                "{seen}; against {}, the odometry drifts by {:.1} m, give or take {:.1} m: a longer drive would tell",
+                "{seen}; relative to {}, the odometry drifts by {:.1} +- {:.1} m, which is too uncertain: record a longer drive",
                 drift.against, drift.by_m, drift.sigma_m
             );
             out.too_little(subject, why);
@@ -99,7 +100,7 @@ fn is_identity(edge: &TfEdge, limits: &Limits) -> bool {
     })
 }
 
-/// The first message of a cloud or grid whose topic calls it a map, and which is expressed in `odom`.
+/// The first message of a cloud or grid whose topic is named a map, and which is expressed in `odom`.
 fn map_in<'a>(topic: &'a TopicEvidence, odom: &FrameId) -> Option<&'a MessageRef> {
     const NEAR: &[&str] = &[
         "local",
@@ -134,34 +135,38 @@ fn misnamed_map(
     let map = edge.parent.canonical();
     let place = Place::message(bag.source, first.clone());
     let message = format!(
-        "{} is called a map, and is expressed in `{odom}`: the correction `{map}` -> `{odom}` is not applied to it",
+        "`{}` is named a map, but expressed in `{odom}` instead of `{map}`",
         topic.topic
     );
     let finding = Finding::warning(subject, message, place)
+        .detail(format!(
+            "The correction `{map}` -> `{odom}` is not applied to its data."
+        ))
         .help(format!(
-            "gather the map in `{map}`, with `{map}` -> `{odom}` at the time of each scan; or call it a local one"
+            "build the map in `{map}`, with `{map}` -> `{odom}` at the time of each scan; or name the topic a local map"
         ))
         .related(Place::message(bag.source, edge.first_at.clone()), "the correction");
     if moves { finding.likely() } else { finding.hint() }
 }
 
-/// No correction at all: a fault only where someone speaks of `map`.
+/// No correction at all: a fault only where messages are expressed in `map`.
 fn without_map(bag: &BagEvidence, odom: &FrameId, subject: String, out: &mut Judge) {
     let named = tf::without_correction(bag, odom).into_iter().next();
     let main = named.as_ref().and_then(|(map, used)| Some((map, used, used.first()?)));
     let Some((map, used, main)) = main else {
-        let why = format!("nothing is expressed in `map`, and `{odom}` hangs under nothing that is called so");
+        let why = format!("nothing is expressed in `map`, and `{odom}` has no parent of that name");
         return out.not_applicable(subject, why);
     };
     let count = crate::math::stats::total(used.iter().map(|used: &Used| used.count));
-    let message = format!(
-        "{count} messages ({}{}) are expressed in `{map}`, and no transform ties it to `{odom}`",
+    let message = format!("{count} messages are expressed in `{map}`, but no transform connects it to `{odom}`");
+    let detail = format!(
+        "The messages are on `{}`{}.",
         main.topic.topic,
         if used.len() > 1 { ", ..." } else { "" }
     );
     let place = Place::message(bag.source, main.first.clone());
     let finding = Finding::warning(subject, message, place).likely();
-    let finding = finding.help(format!(
+    let finding = finding.detail(detail).help(format!(
         "run the localizer that publishes `{map}` -> `{odom}`, and record its TF"
     ));
     out.fail(finding.measured(Measured::new("messages", count as f64, "count").limit(0.0)));

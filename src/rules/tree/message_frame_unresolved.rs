@@ -1,4 +1,4 @@
-//! TREE07: frames of messages that no transform knows.
+//! TREE07: frames of messages that are in no transform.
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -24,7 +24,7 @@ impl Rule for MessageFrameUnresolved {
             // The TF of another recording in the same folder may be of another robot.
             let strange = bag.tf.is_empty() && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
-                let why = "no TF was recorded, and no frame of the messages is in the tree";
+                let why = "no TF was recorded, and no frame of the messages is in the tree: record `/tf` and `/tf_static`";
                 out.too_little(subject_of(world, bag), why);
                 continue;
             }
@@ -60,7 +60,7 @@ struct Context<'a> {
     unlatched: BTreeSet<FrameId>,
     uncorrected: BTreeSet<FrameId>,
     has_tf: bool,
-    /// What reports call the recording.
+    /// Path of the recording in reports.
     path: &'a str,
 }
 
@@ -69,7 +69,7 @@ fn subject_of(world: &World, bag: &BagEvidence) -> String {
 }
 
 fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Context, out: &mut Judge) {
-    // The most telling use first: sensor data, then the order of topics.
+    // The most important use first: sensor data, then the order of topics.
     let Some(main) = used.iter().rev().max_by_key(|used| used.kind) else {
         return;
     };
@@ -78,33 +78,34 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
     let place = Place::message(bag.source, main.first.clone());
     let messages = Measured::new("messages", count as f64, "count").samples(count);
     if frame.as_str().is_empty() {
-        let message = format!("{count} messages on {} have an empty frame_id", main.topic.topic);
-        let help = "set the driver's frame_id to the frame that the sensor is mounted at";
+        let message = format!("`{}`: {count} messages have an empty frame_id", main.topic.topic);
+        let help = "set the driver's frame_id to the frame in which its data are expressed";
         let finding = Finding::warning(subject, message, place).help(help);
         return out.fail(finding.measured(messages.limit(0.0)));
     }
     if context.tree.contains(frame) {
-        // tf2 knows no description: what a sensor's consumers look up is in TF, where there is any.
+        // tf2 knows no URDF: where there is TF, consumers of sensor data depend on it.
         let is_blind = main.kind == HeaderUse::Sensor && !context.recorded.is_empty() && !context.recorded.contains(frame);
         if !is_blind {
             return out.pass(subject, [messages]);
         }
         if bag.truncated || !bag.share.whole {
-            return out.too_little(subject, "it is in the description, and its transform may stand in what was not read of TF");
+            return out.too_little(subject, "it is in the URDF, but its transform may be in the part of TF that was not read");
         }
         let message = format!(
-            "`{frame}`, the frame of {count} messages on {}, is in the description, but never in TF, which is all that tf2 knows: look-ups fail",
+            "`{frame}` is in the URDF but not in TF; {count} messages on `{}` use it",
             main.topic.topic
         );
         let finding = Finding::error(subject, message, place)
             .likely()
-            .help("start robot_state_publisher with this description, and record its TF")
+            .detail("tf2 knows published transforms only, so look-ups of these messages fail.")
+            .help("start robot_state_publisher with this URDF, and record its TF")
             .measured(messages.limit(0.0))
             .unless_about(codes::TREE08, context.path.to_owned());
         return out.fail(finding);
     }
     let cleaned = FrameId::new(spelling::clean(frame.as_str()));
-    // Names stand in reports as they were published, with a slash in front or without.
+    // Reports show names as published, with or without a leading slash.
     let quoted = format!("{frame}`");
     let better = if context.folded.contains(&names::fold(frame)) {
         Some((codes::NAME01, quoted))
@@ -120,11 +121,11 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
     let unproven = if bag.truncated {
         Some("a part of the recording was not read, so a missing transform proves nothing")
     } else if !context.has_tf && names::is_world(frame) {
-        Some("no TF was recorded, and a URDF does not hold this frame")
+        Some("no TF was recorded, and a URDF does not contain world frames: record `/tf`")
     } else {
         None
     };
-    // A frame with another name was read; that a transform is missing may be what was not.
+    // A similar name was read, which is evidence; a missing transform may only be in the part that was not read.
     let is_absence = match &better {
         None => true,
         Some((code, _)) => bag.truncated && [codes::TREE08, codes::TREE16].contains(code),
@@ -133,17 +134,18 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         return out.too_little(subject, reason);
     }
     let topics: BTreeSet<&str> = used.iter().map(|used| used.topic.topic.as_str()).collect();
-    let shown = topics.iter().take(3).copied().collect::<Vec<_>>().join(", ");
-    let known = if context.has_tf {
-        "neither in TF nor in a URDF"
+    let shown: Vec<String> = topics.iter().take(3).map(|topic| format!("`{topic}`")).collect();
+    let (absent, detail) = if context.has_tf {
+        ("not in TF or any URDF", "Look-ups in tf2 fail (LookupException).")
     } else {
-        "not a link of the URDF, and no TF was recorded"
+        ("not a link of the URDF", "No TF was recorded: something else may have published the frame.")
     };
-    let message = format!("`{frame}`, the frame of {count} messages on {shown}, is {known}: look-ups fail");
+    let message = format!("`{frame}` is {absent}, but is the frame of {count} messages");
+    let detail = format!("The messages are on {}. {detail}", shown.join(", "));
     let near = context.index.get_or_init(|| Names::new(context.tree)).nearest(frame, Reach::SUGGESTION);
     let help = match &near {
         Some(near) => format!(
-            "was `{}` meant? Otherwise publish the transform that mounts `{frame}`",
+            "use `{}` if that is meant; otherwise publish the transform that mounts `{frame}`",
             near.frame
         ),
         None => {
@@ -161,30 +163,27 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         Some((rule, about)) => finding.unless_about(rule, about),
         None => finding,
     };
-    out.fail(finding.help(help).measured(messages.limit(0.0)));
+    out.fail(finding.detail(detail).help(help).measured(messages.limit(0.0)));
 }
 
-/// A tree with `odom` or `map` in it is a vehicle's, and a vehicle has a frame of its own.
+/// A tree with `odom` or `map` in it is a vehicle's, and a vehicle has a base frame.
 fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &mut Judge) {
     let is_above_base = |frame: FrameId| names::standard(&frame).is_some_and(|(_, kind)| kind != Standard::Base);
     let Some(root) = bag.tf.iter().find(|edge| is_above_base(edge.parent.canonical())) else {
         return;
     };
-    // A camera or a lidar carried by hand has none.
+    // A hand-held camera or lidar has none.
     if tree
         .iter()
         .any(|frame| names::is_base(frame) || names::is_device(frame))
     {
         return;
     }
-    let message = format!(
-        "TF holds `{}`, and nothing that is called like a platform's own frame",
-        root.parent
-    );
+    let message = format!("TF contains `{}`, but no frame that is named like a vehicle's base", root.parent);
     let place = Place::message(bag.source, root.first_at.clone());
     let finding = Finding::warning(subject_of(world, bag), message, place)
         .hint()
-        .help("call the platform's frame `base_link` (REP-105), so that tools find it")
+        .help("name the vehicle's base frame `base_link` (REP-105), so that tools find it")
         .measured(Measured::count("base frames", 0).limit(1.0));
     out.fail(finding);
 }

@@ -13,9 +13,9 @@ pub(crate) struct MultipleParents;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Changes of parent from which two broadcasters may be said to fight ...
+    /// Changes of parent from which two broadcasters conflict ...
     pub min_switches: u64,
-    /// ... if there are as many for each transform under the rarer parent.
+    /// ... if there are at least so many for each transform under the rarer parent.
     pub min_share: f64,
 }
 
@@ -27,7 +27,7 @@ impl Rule for MultipleParents {
         for robot in &world.robots {
             judge_robot(world, robot, out);
         }
-        // What closes a loop is a second parent by necessity.
+        // A transform that closes a loop always adds a second parent.
         let closing: BTreeSet<(FrameId, FrameId)> = loops(world)
             .iter()
             .flat_map(|(_, steps)| steps)
@@ -42,7 +42,7 @@ impl Rule for MultipleParents {
     }
 }
 
-/// What a launch file publishes, beside the joints.
+/// What a launch file publishes, in addition to the joints.
 fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(FrameId, FrameId)>, out: &mut Judge) {
     let published = || launched.edges.iter().filter(|edge| edge.is_published());
     let mut failed = false;
@@ -61,16 +61,16 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             continue;
         }
         failed = true;
-        let message = format!("`{child}` is published under `{}`, and has the parent `{}` already", edge.parent, other.parent);
+        let message = format!("`{child}` is published under `{}`, but already has the parent `{}`", edge.parent, other.parent);
         let mut finding = Finding::error(format!("frame `{child}`"), message, place)
             .likely()
             .confidence(published_reading(world, edge))
             .confidence(published_reading(world, other))
-            .label(format!("puts `{child}` under `{}`", edge.parent))
-            .help("a frame has one parent: remove one of the two, or publish the transform to the root of the other tree")
+            .label(format!("makes `{}` the parent of `{child}`", edge.parent))
+            .help("remove one of the two, or publish the transform to the root of the other tree: a frame has one parent")
             .measured(Measured::count("parents", 2).limit(1.0));
         if let Some(place) = places::of_edge(world, other) {
-            finding = finding.related(place, format!("puts it under `{}`", other.parent));
+            finding = finding.related(place, format!("makes `{}` its parent", other.parent));
         }
         let closes = [edge, other].iter().any(|edge| closing.contains(&(child.clone(), edge.parent.clone())));
         out.fail(if closes { finding.unless_about(codes::TREE03, format!("{child}`")) } else { finding });
@@ -108,16 +108,17 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
         };
         failed = true;
         let end = |joint: &Joint| joint.child.as_ref().map_or(&joint.place, |child| &child.place).clone();
-        let message = format!(
-            "link `{child}` is the child of {} joints (`{}` and `{}`{}): a link has one parent",
-            joints.len(),
+        let message = format!("link `{child}` is the child of {} joints instead of one", joints.len());
+        let detail = format!(
+            "The joints are `{}`, `{}`{}.",
             first.name.value,
             second.name.value,
             if rest.is_empty() { "" } else { ", ..." },
         );
         let mut finding = Finding::error(format!("frame `{child}`"), message, end(second))
             .label("second joint with this child")
-            .help("keep the joint that mounts the link, or give the other joint a link of its own")
+            .detail(detail)
+            .help("keep only the joint that mounts the link, or give the other joint a link of its own")
             .measured(Measured::count("joints with this child", joints.len()).limit(1.0))
             .related(end(first), "first joint with this child");
         for joint in rest {
@@ -176,7 +177,7 @@ fn judge_child(
     limits: &Limits,
 ) -> Finding {
     let known = bag.parent_switches.iter().find(|switch| switch.child == *child);
-    // Without a count of changes: edges whose times overlap alternate, others follow one another.
+    // Without a count of changes: edges whose times overlap alternate; otherwise one follows the other.
     let overlap =
         edges.iter().map(|edge| edge.first_at.log_ns).max() < edges.iter().map(|edge| edge.last_at.log_ns).min();
     let rarest = edges.iter().map(|edge| edge.count).min().unwrap_or(0);
@@ -187,21 +188,25 @@ fn judge_child(
     let place = known.map(|switch| &switch.at).or(last).cloned();
     let place = place.map_or_else(|| Place::whole(bag.source), |at| Place::message(bag.source, at));
     let subject = format!("frame `{child}`");
-    let who = format!("TF gives `{child}` {} parents ({})", parents.len(), tf::listed(parents));
+    let listed = tf::listed(parents);
     let finding = if is_latched {
-        let message = format!("{who}, and at least one is latched: a listener keeps the one that came last");
+        let message = format!("`{child}` has {} parents in TF ({listed}), at least one of them latched", parents.len());
         Finding::error(subject, message, place)
-            .help("publish one parent only; a latched transform cannot be taken back, so it must not be the odd one")
+            .detail("A listener keeps the parent that it received last.")
+            .help("publish one parent only; the wrong one must not be latched, since a latched transform cannot be withdrawn")
     } else if is_fight {
-        let message = format!("{who} and changes between them {switches} times: two broadcasters fight over the frame");
-        Finding::error(subject, message, place).help(
-            "find the second broadcaster and stop it (often a driver and a filter both publish odometry); \
-             tf2 keys by child and does not interpolate across a change of parent",
-        )
+        let message = format!("`{child}` switches {switches} times between {} parents in TF ({listed})", parents.len());
+        Finding::error(subject, message, place)
+            .detail(
+                "Two broadcasters publish the frame. tf2 stores transforms by child, and does not interpolate across a \
+                 change of parent.",
+            )
+            .help("find the second broadcaster and stop it: often a driver and a filter both publish odometry")
     } else {
-        let message = format!("{who}, with {switches} change(s): it was moved to another parent");
+        let times = if switches == 1 { "once".to_owned() } else { format!("{switches} times") };
+        let message = format!("`{child}` changes its parent {times} in TF ({listed})");
         Finding::note(subject, message, place)
-            .help("nothing, if the frame is handed over on purpose; look-ups across the change give the older parent")
+            .help("check that the frame is moved on purpose; look-ups across the change return the older parent")
     };
     let switches = Measured::new("changes of parent", switches as f64, "count").limit(limits.min_switches as f64);
     let mut finding = finding
@@ -209,7 +214,7 @@ fn judge_child(
         .measured(switches);
     for parent in parents {
         if let Some(edge) = edges.iter().find(|edge| edge.parent.canonical() == *parent) {
-            let note = format!("first with parent `{parent}`, {} times in all", edge.count);
+            let note = format!("first with parent `{parent}`, {} in total", edge.count);
             finding = finding.related(Place::message(bag.source, edge.first_at.clone()), note);
         }
     }

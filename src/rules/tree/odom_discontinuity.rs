@@ -1,4 +1,4 @@
-//! TREE15: odometry that does not move on from where it was.
+//! TREE15: odometry that jumps or is reset.
 
 use crate::analysis::tree::odometry::{Bound, Limits, Stream, streams};
 use crate::analysis::tree::steps::{outstanding, seconds, takes_turns};
@@ -45,18 +45,18 @@ fn judge_streams(
     let with_jumps: Vec<_> = found.into_iter().filter(|(_, jumps)| !jumps.is_empty()).collect();
     let Some(((stream, jumps), others)) = with_jumps.split_first() else {
         if takes_turns {
-            let why = "two writers take turns with different values: its steps are those between them";
+            let why = "two publishers alternate with different values, so its steps are not motion (see AUTH01)";
             return out.not_applicable(subject, why);
         }
         let all = streams.iter().flat_map(|stream| outstanding(stream.steps));
-        // The step that comes nearest to its limit.
+        // The step that is nearest to its limit.
         let ratio = all.map(|at| at.step.distance_m.min(at.step.surprise_m) / bound.limits(&at.step, limits).0);
-        let largest = Measured::new("largest step, against its limit", ratio.fold(0.0, f64::max), "1").limit(1.0);
+        let largest = Measured::new("largest step over its limit", ratio.fold(0.0, f64::max), "1").limit(1.0);
         return out.pass(
             subject,
             [
                 largest.samples(steps),
-                Measured::new("greatest speed", bound.speed, "m/s"),
+                Measured::new("largest speed", bound.speed, "m/s"),
             ],
         );
     };
@@ -67,7 +67,12 @@ fn judge_streams(
     for (other, jumps) in others {
         if let Some(first) = jumps.first() {
             let place = Place::message(bag.source, first.after.at.clone());
-            finding = finding.related(place, format!("{} jumps too, {} times", other.topic, jumps.len()));
+            let times = if jumps.len() == 1 {
+                "once".to_owned()
+            } else {
+                format!("{} times", jumps.len())
+            };
+            finding = finding.related(place, format!("`{}` jumps too, {times}", other.topic));
         }
     }
     out.fail(finding);
@@ -98,36 +103,46 @@ fn finding(
         pose.translation.vector.norm() <= limits.origin && pose.rotation.angle() <= limits.origin
     };
     let is_reset = is_at_origin(worst);
-    let what = if is_reset { "is reset to its origin" } else { "jumps" };
+    let what = if is_reset {
+        "is reset to its origin:"
+    } else {
+        "jumps by"
+    };
     let message = format!(
-        "`{}` -> `{}` on {} {what}: {:.2} m and {:.1} deg within {:.3} s, {since:.1} s after the start, where {:.2} m/s is the \
-         greatest speed ({} such step{})",
+        "`{}` -> `{}` on `{}` {what} {:.2} m and {:.1} deg",
         stream.odom,
         stream.child,
         stream.topic,
         worst.step.distance_m,
         worst.step.angle_rad.to_degrees(),
+    );
+    let detail = format!(
+        "The step takes {:.3} s, {since:.1} s after the start of the recording. The largest speed of this odometry is {:.2} m/s.",
         seconds(&worst.step),
         bound.speed,
-        jumps.len(),
-        if jumps.len() == 1 { "" } else { "s" },
     );
     let help = if is_reset {
-        "odometry was started anew: restart those who use it too, or keep it running; REP-105 promises that `odom` never jumps"
+        "keep the odometry running, or restart all that use it as well: `odom` must not jump (REP-105)"
     } else {
-        "`odom` may drift but never jump (REP-105): corrections belong into `map` -> `odom`; find what resets or corrects it"
+        "find what resets or corrects the odometry: `odom` may drift, but must not jump; corrections belong in `map` -> `odom` (REP-105)"
     };
     let mut finding = Finding::error(subject, message, Place::message(bag.source, worst.after.at.clone()))
         .likely()
-        .label("behind the jump")
+        .label("first sample after the jump")
+        .detail(detail)
         .help(help)
-        .related(Place::message(bag.source, worst.before.at.clone()), "before it")
+        .related(
+            Place::message(bag.source, worst.before.at.clone()),
+            "last sample before it",
+        )
         .measured(
             Measured::new("step", worst.step.distance_m, "m")
                 .limit(m)
                 .samples(stream.steps.count),
         )
-        .measured(Measured::new("turn", worst.step.angle_rad.to_degrees(), "deg").limit(rad.to_degrees()))
+        .measured(
+            Measured::new("rotation of the step", worst.step.angle_rad.to_degrees(), "deg").limit(rad.to_degrees()),
+        )
         .measured(Measured::count("jumps", jumps.len()).limit(0.0));
     if is_reset {
         finding = finding.relation("reset");
@@ -136,7 +151,7 @@ fn finding(
     others.fold(finding, |finding, at| {
         finding.related(
             Place::message(bag.source, at.after.at.clone()),
-            format!("{:.2} m here", at.step.distance_m),
+            format!("jump of {:.2} m", at.step.distance_m),
         )
     })
 }

@@ -1,4 +1,4 @@
-//! TREE01: frames that no chain connects to the rest.
+//! TREE01: frames that no chain of transforms connects to the rest.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -31,7 +31,7 @@ impl Rule for OrphanSubtree {
         if let Some(part) = parts.first() {
             let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
             let why = format!(
-                "{} frames (the first is {}) stand in a part of a description: what joins them may stand elsewhere",
+                "{} frames (the first is {}) are in partial descriptions (macros), which other files may connect: check the expanded URDF",
                 parts.iter().map(|part| part.members.len()).sum::<usize>(),
                 tf::listed(&names)
             );
@@ -68,14 +68,14 @@ impl Rule for OrphanSubtree {
             if orphan.members.is_disjoint(&in_cut_off) {
                 judge_orphan(world, orphan, connected, &surroundings, out);
             } else if let Some(root) = orphan.roots.first().or(orphan.members.first()) {
-                let why = "a part of the recording could not be read: what connects the frames may stand there";
+                let why = "a part of the recording could not be read, and may contain the connecting transform";
                 out.too_little(format!("subtree `{root}`"), why);
             }
         }
     }
 }
 
-/// Trees of recorded TF that a description alone connects: tf2 knows TF, and no URDF.
+/// Trees of recorded TF that only a description connects: tf2 knows TF, and no URDF.
 fn judge_recorded(world: &World, out: &mut Judge) {
     if world.robots.is_empty() {
         return;
@@ -85,7 +85,7 @@ fn judge_recorded(world: &World, out: &mut Judge) {
         return;
     }
     if world.bags.iter().any(|bag| bag.truncated || !bag.share.whole) {
-        let why = "what was read of TF is several trees, and what connects them may stand in what was not read";
+        let why = "TF as read consists of several trees, but the part that was not read may connect them";
         return out.too_little("recorded frame tree", why);
     }
     // Of recorded trees, the platform's own is the main one.
@@ -111,16 +111,14 @@ fn judge_recorded(world: &World, out: &mut Judge) {
             .frames
             .iter()
             .any(|used| used.role == FrameRole::Header && orphan.members.contains(&used.frame.canonical()));
-        let message = format!(
-            "TF never connects `{root}` with `{home}`: only joint `{}` of the description does, which tf2 does not know",
-            joint.label
-        );
+        let message = format!("TF does not connect `{root}` to `{home}`; only joint `{}` of the URDF does", joint.label);
         let subject = format!("recorded subtree `{root}`");
         let severity = if is_used { Severity::Error } else { Severity::Warning };
         let finding = Finding::new(severity, subject, message, place)
             .likely()
             .label("not in TF")
-            .help("start robot_state_publisher with this description (and a joint state publisher for joints that move), and record its TF")
+            .detail("tf2 knows published transforms only, no URDF: look-ups between the two trees fail.")
+            .help("start robot_state_publisher with this URDF (and a joint state publisher for moving joints), and record its TF")
             .measured(Measured::count("separate trees in TF", components.len()).limit(1.0));
         out.fail(world.bags.iter().fold(finding, |finding, bag| {
             finding.unless_about(codes::TREE08, world.path(bag.source).to_owned())
@@ -128,7 +126,7 @@ fn judge_recorded(world: &World, out: &mut Judge) {
     }
 }
 
-/// What an orphan is held against.
+/// What an orphan is compared with.
 struct Surroundings<'w> {
     /// How many trees there are.
     trees: usize,
@@ -159,18 +157,18 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, around: &Su
     let Some(place) = members.into_iter().find_map(|frame| places::first(world, frame)) else {
         return;
     };
-    // What goes round in a loop has no root that could be connected.
+    // A loop has no root that could be connected.
     let round = orphan.members.iter().find(|frame| looping.contains(*frame));
     let round = round.filter(|_| orphan.roots.is_empty());
     let others = orphan.members.len() - 1;
     let main_root = main.roots.first().or_else(|| main.members.first());
     let subject = format!("subtree `{root}`");
     let message = format!(
-        "`{root}`{} not connected to the tree of `{}`: no transform between them can be looked up",
+        "`{root}`{} not connected to the tree of `{}`",
         match others {
             0 => " is".to_owned(),
-            1 => " and 1 frame under it are".to_owned(),
-            n => format!(" and {n} frames under it are"),
+            1 => " and 1 frame below it are".to_owned(),
+            n => format!(" and {n} frames below it are"),
         },
         main_root.map_or("?", FrameId::as_str),
     );
@@ -180,14 +178,15 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, around: &Su
         .find_map(|frame| Some((frame, names.get(&loose(frame.as_str()))?)));
     let help = match twin {
         Some((frame, twin)) => {
-            format!("`{frame}` and `{twin}` of the main tree differ only in case, blanks or slashes: make them one")
+            format!("use one spelling for `{frame}` and `{twin}`, which differ only in case, whitespace or slashes")
         }
         None => {
-            format!("publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them")
+            format!("add the transform or joint that mounts `{root}`, or remove the frames if nothing uses them")
         }
     };
     let finding = Finding::error(subject, message, place)
         .label("root of the separate tree")
+        .detail("Look-ups between the two trees fail in tf2 (ConnectivityException).")
         .help(help)
         .measured(Measured::count("separate trees", *trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));

@@ -82,11 +82,10 @@ fn at_edge(world: &World, frame: &FrameId, is_error: bool, message: String) -> O
 }
 
 fn reversed(world: &World, frame: &FrameId, above: &FrameId) -> Option<Finding> {
-    let message =
-        format!("`{frame}` is under `{above}`: REP-105 has it the other way, earth -> map -> odom -> base_link");
+    let message = format!("`{frame}` is below `{above}`; REP-105 requires earth -> map -> odom -> base_link");
     let finding = at_edge(world, frame, true, message)?;
-    Some(finding.label(format!("puts `{frame}` under `{above}`")).help(format!(
-        "publish the inverse with `{frame}` as the parent; a localizer that cannot may use a frame of another name"
+    Some(finding.label(format!("places `{frame}` below `{above}`")).help(format!(
+        "publish the inverse transform, with `{frame}` as the parent; a localizer that cannot do so may use another frame name"
     )))
 }
 
@@ -102,18 +101,17 @@ fn past_odom(
         .frames
         .iter()
         .find(|other| names::standard(other) == Some((namespace, Standard::Odom)))?;
-    let message = format!("`{frame}` is put under `{map}` past `{odom}`, which is there as well");
+    let message = format!("`{frame}` is below `{map}` without `{odom}` in between, although `{odom}` exists");
     let finding = at_edge(world, frame, false, message)?;
-    Some(finding.label(format!("puts `{frame}` under `{map}`")).help(format!(
-        "a localizer publishes `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
+    Some(finding.label(format!("places `{frame}` below `{map}`")).help(format!(
+        "let the localizer publish `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
     )))
 }
 
 fn under_sensor(world: &World, frame: &FrameId, sensor: &FrameId) -> Option<Finding> {
-    let message =
-        format!("the sensor `{sensor}` is the parent of `{frame}`: the base carries its sensors, not the other way");
+    let message = format!("sensor `{sensor}` is the parent of `{frame}`; the base should be the parent of its sensors");
     let finding = at_edge(world, frame, false, message)?;
-    Some(finding.label(format!("puts `{frame}` under `{sensor}`")).help(format!(
-        "state the mount as `{frame}` -> `{sensor}` (the inverse transform), so that odometry can be the base's parent"
+    Some(finding.label(format!("places `{frame}` below `{sensor}`")).help(format!(
+        "publish the mounting transform as `{frame}` -> `{sensor}` (the inverse); then odometry can be the parent of the base"
     )))
 }

@@ -43,14 +43,15 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         };
         failed = true;
         let message = format!(
-            "the transform from `{}` to `{}` on {} {what}: tf2 drops it ({word}), {} times here",
-            edge.parent, edge.child, edge.topic, edge.count
+            "`{}` -> `{}` on `{}` {what}: tf2 drops it",
+            edge.parent, edge.child, edge.topic
         );
         let place = Place::message(bag.source, edge.first_at.clone());
         let subject = format!("`{}` -> `{}` on {}", edge.parent, edge.child, edge.topic);
         out.fail(
             Finding::error(subject, message, place)
-                .help("set both frame ids in the broadcaster; if it has nothing to say, let it be silent")
+                .detail(format!("tf2 logs {word}."))
+                .help("set both frame ids in the broadcaster, or stop it if it has no transform to publish")
                 .measured(Measured::new("dropped transforms", edge.count as f64, "count").limit(0.0)),
         );
     }
@@ -76,7 +77,7 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
             let message = format!("joint `{}` has an empty {role} link", joint.name.value);
             out.fail(
                 Finding::error(format!("joint `{}`", joint.name.value), message, end.place.clone())
-                    .help("name the link that the joint connects")
+                    .help(format!("name the link in <{role}>"))
                     .measured(Measured::count("empty names", 1).limit(0.0)),
             );
         }
@@ -91,7 +92,7 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
 fn judge_files(world: &World, out: &mut Judge) {
     let (mut judged, mut failed) = (0, false);
     for claim in &world.claims {
-        // Frames that were only guessed from a key prove nothing.
+        // Frames that are guessed from a key prove nothing.
         let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
             continue;
         };
@@ -103,7 +104,7 @@ fn judge_files(world: &World, out: &mut Judge) {
             continue;
         };
         failed = true;
-        let message = format!("the transform `{}` from `{target}` to `{source}` {what}", claim.label);
+        let message = format!("`{}` (`{target}` from `{source}`) {what}", claim.label);
         let place = claim.source_place.clone().unwrap_or_else(|| claim.place.clone());
         let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
         out.fail(

@@ -1,7 +1,8 @@
-//! TREE05: edges published both as latched and as moving, and moving edges that never move.
+//! TREE05: transforms published both on `/tf_static` and on `/tf`, and transforms on `/tf` that never change.
 
 use crate::analysis::relate::{Difference, Same};
 use crate::analysis::{names, tf};
+use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, World, bag::TfEdge, robot::Joint};
 
@@ -10,9 +11,9 @@ pub(crate) struct StaticDynamicConflict;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Rotation up to which two transforms hold the same numbers, degrees.
+    /// Rotation up to which two transforms are equal, degrees.
     pub same_deg: f64,
-    /// Translation up to which two transforms hold the same numbers, metres.
+    /// Translation up to which two transforms are equal, metres.
     pub same_m: f64,
     /// Deviation (radians and metres) below which an edge is constant.
     pub constant: f64,
@@ -60,7 +61,7 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let (at, until) = (moving.first_at.clone(), fixed.first_at.clone());
     let parent = fixed.parent.canonical();
     let (one, other) = (&fixed.topic, &moving.topic);
-    let what = format!("`{parent}` -> `{child}` is published on {one} and on {other}");
+    let what = format!("`{parent}` -> `{child}` is published on `{one}` and on `{other}`");
     let same = Same {
         deg: limits.same_deg,
         m: limits.same_m,
@@ -72,18 +73,21 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let mut finding = Finding::error(format!("frame `{child}`"), format!("{what}{how}"), Place::message(bag.source, at))
         .label("first on the moving topic")
         .help(format!(
-            "publish `{child}` on one of the two; tf2 erases its history whenever a frame changes between latched and moving"
+            "publish `{child}` on only one of the two: tf2 erases the history of a frame that changes between latched and moving"
         ))
         .measured(Measured::count("kinds of topic", 2).limit(1.0))
         .related(Place::message(bag.source, until), "first on the latched topic");
     if let Some(difference) = difference {
+        if let Some(relation) = difference.relation.and_then(Relation::from_word) {
+            finding = finding.detail(relation.describe());
+        }
         finding.measured.extend(difference.measured);
         finding.relation = difference.relation.map(str::to_owned);
     }
     finding
 }
 
-/// A note on a moving edge that never moves, where something says that it is not meant to.
+/// A note on a moving edge that never changes, if its joint or name shows that it is fixed.
 fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge], limits: &Limits) -> Option<Finding> {
     let [edge] = edges else { return None };
     let time_s = edge.last_at.log_ns.saturating_sub(edge.first_at.log_ns) as f64 / 1e9;
@@ -101,13 +105,15 @@ fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge]
         return None;
     }
     let message = format!(
-        "`{}` -> `{child}` is published {} times on {} in {time_s:.0} s and never changes",
+        "`{}` -> `{child}` never changes, but is published {} times on `{}` in {time_s:.0} s",
         edge.parent, edge.count, edge.topic
     );
     let place = Place::message(bag.source, edge.first_at.clone());
     let change = Measured::new("largest change", deviation, "rad or m").limit(limits.constant);
     let finding = Finding::note(format!("frame `{child}`"), message, place)
-        .help("publish it once on /tf_static: late listeners then have it at every time, and the recording shrinks")
+        .help(
+            "publish it once on `/tf_static`: then late listeners have it for all times, and the recording is smaller",
+        )
         .measured(change.samples(edge.count))
         .measured(Measured::new("time", time_s, "s").limit(limits.min_time_s));
     Some(if joint.is_some() { finding } else { finding.likely() })

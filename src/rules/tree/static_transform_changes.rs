@@ -1,8 +1,9 @@
-//! TREE11: latched transforms with more than one value, in one recording or from one to another.
+//! TREE11: latched transforms with more than one value, in one recording or between recordings.
 
 mod across;
 
 use crate::analysis::tree::latched::{Calm, Change, Key, Limits, change, difference, latched};
+use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::rules::tree::static_transform_changes::across::{Across, judge_across};
 use crate::world::BagEvidence;
@@ -64,22 +65,25 @@ fn within(
         .map(String::as_str)
         .collect();
     let by = if writers.len() > 1 {
-        format!(" (written by {})", writers.join(", "))
+        format!(" Publishers: {}.", writers.join(", "))
     } else {
         String::new()
     };
     let after_s = other.at.log_ns.saturating_sub(first.at.log_ns) as f64 / 1e9;
-    let message = format!(
-        "latched `{parent}` -> `{child}` on {topic} changes {after_s:.1} s after its first value{by}{}",
-        difference.words
-    );
+    let message = format!("latched `{parent}` -> `{child}` has two values{}", difference.words);
+    let why = difference
+        .relation
+        .and_then(Relation::from_word)
+        .map_or("", Relation::describe);
+    let detail = format!("The other value is published on `{topic}` {after_s:.1} s after the first.{by} {why}");
     let subject = format!("latched `{parent}` -> `{child}` on {topic}");
     let count = crate::math::stats::total(edges.iter().map(|edge| edge.count));
     let mut finding = Finding::new(severity, subject, message, Place::message(bag.source, other.at.clone()))
         .label("another value")
+        .detail(detail.trim_end())
         .help(
-            "find out which value is right and publish only that one; tf2 applies the last one to all times, past ones \
-             too. What really moves belongs on /tf",
+            "find out which value is right, and publish only that one: tf2 uses the last one for all times, also in the \
+             past. A frame that moves belongs on `/tf`",
         )
         .related(Place::message(bag.source, first.at.clone()), "first value");
     finding.measured = difference

@@ -10,6 +10,9 @@ use crate::world::{FrameId, World, graph::Edge};
 
 pub(crate) struct TfCycle;
 
+/// Frames of a loop that a headline names.
+const SHOWN: usize = 4;
+
 impl Rule for TfCycle {
     const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = NoLimits;
@@ -32,22 +35,25 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         .iter()
         .filter_map(|edge| edge.source(world))
         .collect();
-    // The cycle lists each frame before its parent; people read from parent to child.
+    // The cycle lists each frame before its parent; it is shown from parent to child.
     let mut names: Vec<String> = cycle.iter().rev().map(|frame| format!("`{frame}`")).collect();
     if let Some(first) = names.first().cloned() {
         names.push(first);
     }
     let subject = format!("loop of {}", names.iter().min().map_or("?", String::as_str));
-    let message = format!(
-        "{} is a loop of {} frames: none of them has a root to be looked up from",
-        names.join(" -> "),
-        cycle.len()
-    );
+    let chain = names.join(" -> ");
+    let why = "A loop has no root: look-ups in tf2 fail (\"contains a loop\").";
+    let (message, detail) = if cycle.len() <= SHOWN {
+        (format!("{chain} is a loop of {} frames", cycle.len()), why.to_owned())
+    } else {
+        let first = names.first().map_or("?", String::as_str);
+        (format!("{first} is its own ancestor, in a loop of {} frames", cycle.len()), format!("{chain}. {why}"))
+    };
     let mut at: Vec<(&&Edge, Place)> = steps
         .iter()
         .filter_map(|edge| Some((edge, crate::analysis::places::of_edge(world, edge)?)))
         .collect();
-    // What was published, or else written last, closed the loop.
+    // A published transform, or else the one that was written last, closed the loop.
     let rank = |(edge, place): &(&&Edge, Place)| {
         (matches!(place.at, At::Message(_)), edge.is_published(), place.clone())
     };
@@ -56,11 +62,12 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         return;
     };
     let mut finding = Finding::error(subject, message, place)
-        .label(format!("`{}` is put under `{}`", first.child, first.parent))
-        .help("turn round or remove the transform that closes the loop; tf2 answers look-ups with \"contains a loop\"")
+        .label(format!("makes `{}` the parent of `{}`", first.parent, first.child))
+        .detail(detail)
+        .help("remove or invert the transform that closes the loop")
         .measured(Measured::count("frames in the loop", cycle.len()).limit(0.0));
     for (edge, place) in at {
-        finding = finding.related(place, format!("`{}` is put under `{}`", edge.child, edge.parent));
+        finding = finding.related(place, format!("makes `{}` the parent of `{}`", edge.parent, edge.child));
     }
     // Sources that contradict each other may never have been used together.
     let finding = if sources.len() > 1 { finding.likely() } else { finding };

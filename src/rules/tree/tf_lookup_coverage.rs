@@ -36,7 +36,7 @@ impl Rule for TfLookupCoverage {
                 }
             }
             for findings in causes.into_values() {
-                tell_once(findings, "fail with it", out);
+                tell_once(findings, "fail for the same reason", out);
             }
         }
     }
@@ -60,20 +60,20 @@ fn judge_topic(
     let mut frames: Vec<FrameId> = topic.header_frames.keys().map(FrameId::canonical).collect();
     frames.dedup();
     let [frame] = frames.as_slice() else {
-        return Err(not_ours(format!("its messages name {} frames", frames.len())));
+        return Err(not_ours(format!("its messages have {} different frame_ids", frames.len())));
     };
     if names::is_world(frame) {
-        return Err(not_ours(format!("its frame `{frame}` is no sensor's")));
+        return Err(not_ours(format!("its frame `{frame}` is a world frame, not a sensor's")));
     }
     if let Some(child) = refused(bag, frame) {
-        return Err(not_ours(format!("tf2 refuses every transform of `{child}`")));
+        return Err(not_ours(format!("tf2 rejects every transform of `{child}`")));
     }
     let unknown = || not_ours(format!("TF does not know its frame `{frame}`"));
     let heard = listeners.of(frame, &topic.topic).ok_or_else(unknown)?;
-    let alone = || not_ours(format!("TF connects `{frame}` with no map, odom or base frame"));
+    let alone = || not_ours(format!("TF does not connect `{frame}` to a map, odom or base frame"));
     let target = heard.target(frame).ok_or_else(alone)?;
     if let Some((apart_s, edge)) = other_clock(topic, heard, [&target, frame], limits) {
-        let reason = format!("its stamps and those of {edge} are of clocks {apart_s:.1} s apart");
+        let reason = format!("its stamps and those of {edge} come from clocks {apart_s:.1} s apart (see TIME01)");
         return Err(not_ours(reason));
     }
     let asked = heard.ask(&target, frame, topic, limits.cache_s);
@@ -84,7 +84,7 @@ fn judge_topic(
             .any(|part| part.main.as_ref().is_some_and(|(at, _)| at == culprit))
     };
     if fails_at(&Culprit::Loop) {
-        return Err(not_ours("the tree is a loop".to_owned()));
+        return Err(not_ours("the frame tree contains a loop (see TREE03)".to_owned()));
     }
     let case = Case {
         bag,
@@ -97,10 +97,10 @@ fn judge_topic(
     };
     match case.finding() {
         None => out.pass(subject_of(topic), [case.measured()]),
-        // The transforms may stand in the part that was not read.
+        // The transforms may be in the part that was not read.
         Some(_) if !bag.share.whole => {
             return Err(little(format!(
-                "TF from `{target}` was not read at every stamp of the topic"
+                "TF below `{target}` was not read at every stamp of the topic, so a missing transform proves nothing"
             )));
         }
         Some((cause, finding)) => causes.entry(cause).or_default().push(finding),
@@ -108,14 +108,14 @@ fn judge_topic(
     Ok(())
 }
 
-/// The frame, or a frame above it, of which tf2 takes no transform at all.
+/// The frame, or an ancestor, of which tf2 accepts no transform at all.
 fn refused(bag: &BagEvidence, frame: &FrameId) -> Option<FrameId> {
     let edges = tf::by_child(bag);
     let is_refused = |at: &FrameId| edges.get(at).is_some_and(|above| above.iter().all(|edge| edge.samples.is_empty()));
     tf::upward(&edges, frame).find(is_refused)
 }
 
-/// A moving edge on the way whose stamps are of another clock than the topic's, with the seconds between them.
+/// A moving edge on the way whose stamps come from another clock than the topic's, with the seconds between them.
 fn other_clock(
     topic: &TopicEvidence,
     heard: &Heard<'_>,
@@ -130,7 +130,7 @@ fn other_clock(
         .filter_map(|edge| {
             Some((
                 offset_s(&edge.stamps)? - ours,
-                format!("`{}` from `{}`", edge.parent, edge.child),
+                format!("`{}` -> `{}`", edge.parent, edge.child),
             ))
         })
         .find(|(apart_s, _)| apart_s.abs() > limits.same_clock_s)

@@ -1,4 +1,4 @@
-//! TREE10: transforms that come so seldom that interpolating between them goes astray.
+//! TREE10: transforms that are too infrequent for tf2 to interpolate between them.
 
 use std::collections::BTreeSet;
 
@@ -33,7 +33,7 @@ impl Rule for TfRateTooLow {
     }
 }
 
-/// The frames that data hang on: those of sensors and bases, and all that stand above them.
+/// The frames that data depend on: those of sensors and bases, and all their ancestors.
 fn carrying(bag: &BagEvidence) -> BTreeSet<FrameId> {
     let by_child = tf::by_child(bag);
     let is_base = |frame: &&FrameId| matches!(names::standard(frame), Some((_, Standard::Base)));
@@ -49,7 +49,7 @@ fn carrying(bag: &BagEvidence) -> BTreeSet<FrameId> {
     carrying
 }
 
-/// Whether an edge corrects a drift, such as `map` from `odom`: it jumps by right, and nothing moves along it.
+/// Whether an edge corrects a drift, such as `map` -> `odom`: it may jump, and does not carry the motion.
 fn corrects(edge: &TfEdge) -> bool {
     let child = edge.child.canonical();
     matches!(names::standard(&child), Some((_, Standard::Odom | Standard::Map)))
@@ -66,12 +66,15 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let known: Vec<&Step> = steps.sample.iter().filter(is_known).collect();
     let rate = Rate::of(&known).filter(|_| known.len() >= limits.min_steps && steps.moving >= limits.min_moving);
     let Some(rate) = rate else {
-        return out.too_little(subject, format!("{} steps, {} of them moving, say little", steps.count, steps.moving));
+        return out.too_little(subject, format!(
+            "{} steps, {} of them moving: {} and {} are needed",
+            steps.count, steps.moving, limits.min_steps, limits.min_moving
+        ));
     };
     let undone = steps.undone as f64 / steps.count.max(1) as f64;
     if undone > limits.max_undone {
         let why = format!(
-            "{:.0} % of the steps are undone by the next, as of two writers that take turns",
+            "{:.0} % of the steps are reversed by the next one: two publishers probably alternate (see AUTH01)",
             undone * 100.0
         );
         return out.not_applicable(subject, why);
@@ -82,15 +85,15 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
         return out.pass(subject, measured);
     }
     let message = format!(
-        "{name} comes every {:.3} s (99 % within {:.3} s), too seldom for how it moves: interpolated in between it is off \
-         by up to {:.1} cm and {:.2} deg",
-        rate.usual_s,
-        rate.long_s,
+        "`{}` -> `{}` on `{}` is too slow to interpolate: error {:.1} cm and {:.2} deg",
+        edge.parent,
+        edge.child,
+        edge.topic,
         rate.error_m * 100.0,
         rate.error_deg
     );
     let help = if rate.long_s > 3.0 * rate.usual_s {
-        "find out what holds transforms back: most of them come in time".to_owned()
+        "find out what delays some of the transforms: most come in time".to_owned()
     } else {
         format!("publish it at {:.0} Hz or more", (times.sqrt() / rate.usual_s).ceil())
     };
@@ -98,7 +101,8 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let place = first.map_or(&edge.first_at, |step| &step.after.at).clone();
     let finding = Finding::warning(subject, message, Place::message(bag.source, place))
         .likely()
-        .label("farthest off a straight line")
+        .label("largest deviation from a straight line")
+        .detail("tf2 interpolates linearly between two transforms. The error is the 99th percentile over all steps.")
         .help(help);
     out.fail(finding.measured(measured));
 }

@@ -14,7 +14,7 @@ pub(crate) struct TfStaticMissingOrLate;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Time by which a latched transform may come after the first message that needs it, seconds.
+    /// Largest delay of a latched transform after the first message that needs it, seconds.
     pub max_late_s: f64,
 }
 
@@ -48,17 +48,15 @@ impl Rule for TfStaticMissingOrLate {
     }
 }
 
-/// No latched transform at all, while TF knows none of the sensors' frames.
+/// No latched transform at all, and none of the sensors' frames in TF.
 fn absent(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     let unknown = tf::without_static(bag);
     let first = unknown.values().min_by_key(|at| at.log_ns)?;
-    let message = format!(
-        "the recording has TF but no latched transforms, and TF knows none of its sensors' frames: {}",
-        tf::listed(unknown.keys())
-    );
+    let message = "the recording has TF but no latched transforms, and no sensor frame is in TF";
     let finding = Finding::error(subject, message, Place::message(bag.source, (*first).clone()))
         .label("its frame cannot be looked up")
-        .help("record /tf_static too (every split file needs it), or play it back from the URDF")
+        .detail(format!("The sensor frames are {}.", tf::listed(unknown.keys())))
+        .help("record `/tf_static` too (every split file needs it), or publish the URDF's transforms during playback")
         .measured(Measured::count("sensor frames without a transform", unknown.len()).limit(0.0));
     Some(finding)
 }
@@ -73,22 +71,21 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
     let children = tf::by_child(bag);
     let hangs_on_one = |frame: &FrameId| tf::upward(&children, frame).last().is_some_and(|root| names.contains(&root));
     let blind: BTreeSet<FrameId> = needed.filter(hangs_on_one).collect();
-    let message = format!(
-        "fixed joints of the URDF are missing from TF: {}",
-        tf::listed(names.iter().copied())
-    );
+    let message = match names.len() {
+        1 => "1 fixed joint of the URDF is missing from TF".to_owned(),
+        n => format!("{n} fixed joints of the URDF are missing from TF"),
+    };
+    let links = format!("Missing child links: {}.", tf::listed(names.iter().copied()));
     let finding = if blind.is_empty() {
-        Finding::warning(subject, message, joint.place.clone())
+        Finding::warning(subject, message, joint.place.clone()).detail(links)
     } else {
-        Finding::error(
-            subject,
-            format!("{message}; sensors use {}", tf::listed(&blind)),
-            joint.place.clone(),
-        )
+        let message = format!("{message}, but needed by sensor data");
+        let detail = format!("{links} Sensor frames without a mounting transform: {}.", tf::listed(&blind));
+        Finding::error(subject, message, joint.place.clone()).detail(detail)
     };
     let finding = finding
         .label("not in TF")
-        .help("start robot_state_publisher with this URDF, and record /tf_static")
+        .help("start robot_state_publisher with this URDF, and record `/tf_static`")
         .measured(Measured::count("fixed joints missing from TF", names.len()).limit(0.0));
     Some(missing.iter().skip(1).take(5).fold(finding, |finding, (_, joint)| {
         finding.related(joint.place.clone(), "not in TF")
@@ -111,12 +108,10 @@ fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
     late.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
     let (late_s, frame, first, needed) = late.first()?;
     let names: BTreeSet<&FrameId> = late.iter().map(|(_, frame, _, _)| frame).collect();
-    let message = format!(
-        "`{frame}` gets its latched transform {late_s:.1} s after its first message (late: {})",
-        tf::listed(names)
-    );
+    let message = format!("`{frame}` gets its latched transform {late_s:.1} s after its first message");
     let finding = Finding::warning(subject, message, Place::message(bag.source, (*first).clone()))
         .label("first transform")
+        .detail(format!("Late frames: {}.", tf::listed(names)))
         .help("start the broadcaster before the sensors, and the recorder before both")
         .measured(Measured::new("delay", *late_s, "s").limit(limits.max_late_s))
         .related(
@@ -126,7 +121,7 @@ fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
     Some(finding)
 }
 
-/// A static topic that was offered without keeping its last message.
+/// A static topic that was offered with durability volatile.
 fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     let is_volatile = |topic: &&TopicEvidence| tf::is_static_topic(&topic.topic) && tf::is_volatile(topic);
     let topic = bag.topics.values().find(is_volatile)?;
@@ -137,11 +132,12 @@ fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
         .map(|edge| edge.first_at.clone());
     let place = first.map_or_else(|| Place::whole(bag.source), |at| Place::message(bag.source, at));
     let message = format!(
-        "{} was offered with durability volatile: late listeners never get it",
+        "`{}` is published with durability volatile instead of transient_local",
         topic.topic
     );
     let finding = Finding::error(subject, message, place)
-        .help("publish it with durability transient_local (StaticTransformBroadcaster does)")
+        .detail("Listeners that start later never receive it.")
+        .help("publish it with durability transient_local, as StaticTransformBroadcaster does")
         .measured(Measured::count("volatile publishers", 1).limit(0.0));
     Some(finding)
 }

@@ -1,7 +1,7 @@
 //! TREE12: one root, and joints between links that exist.
 //!
-//! Names are compared without case and stray blanks here: a reference that misses its link only by those is NAME01's or
-//! NAME02's, and would otherwise show up as a second root.
+//! Names are compared without case and stray whitespace: a reference that differs from its link only by those is NAME01's or
+//! NAME02's, and would otherwise appear as a second root.
 
 mod undefined_links;
 
@@ -29,7 +29,7 @@ impl Rule for UrdfStructure {
             let is_xacro = world.path(robot.source).to_lowercase().ends_with(".xacro");
             // Properties, materials and the like, or the empty default of an optional include.
             if robot.links.is_empty() && robot.joints.is_empty() && (is_xacro || robot.name.value.is_empty()) {
-                out.not_applicable(subject, "it has neither links nor joints: a part for other files");
+                out.not_applicable(subject, "it has neither links nor joints: probably a file that others include");
                 continue;
             }
             let mut is_right = true;
@@ -56,7 +56,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMu
         let message = format!("robot `{}` has no links", robot.name.value);
         fail(
             Finding::error(subject, message, robot.name.place.clone())
-                .help("a robot needs at least one link")
+                .help("add at least one link")
                 .measured(Measured::count("links", 0).limit(1.0)),
         );
     }
@@ -73,7 +73,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMu
         fail(match missing.get(index) {
             Some(joints) => finding
                 .help(format!(
-                    "give the link a name: is it the `{}` that joints name?",
+                    "give the link a name: probably `{}`, which joints refer to",
                     joints.name()
                 ))
                 .related(joints.first.2.place.clone(), "no link has this name"),
@@ -99,7 +99,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMu
     let index = LazyCell::new(|| Names::new(names.iter()));
     for undefined in missing.iter().skip(nameless.len()) {
         let finding = undefined.finding(subject, &index);
-        // A xacro may be mounted on what another file brings.
+        // A xacro may be mounted on a link of another file.
         let is_mounted = is_xacro && !undefined.is_child;
         fail(if is_mounted { finding.hint() } else { finding });
     }
@@ -145,14 +145,11 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, ex
             .chain(roots.iter().copied())
             .map(|link| link.name.value.as_str().into())
             .collect();
-        let message = format!(
-            "the robot has {} root links instead of one: {}",
-            names.len(),
-            tf::listed(&names)
-        );
+        let message = format!("the robot has {} root links instead of one", names.len());
         let mut finding = Finding::error(subject, message, second.place.clone())
             .label("no joint has this link as its child")
-            .help("add the joints that mount the other roots; parsers refuse a description with two")
+            .detail(format!("The roots are {}. URDF parsers reject a file with two roots.", tf::listed(&names)))
+            .help("add the joints that mount all but one of them")
             .measured(Measured::count("root links", names.len()).limit(1.0))
             .related(first.place.clone(), "the first root");
         for link in roots.iter().skip(1).take(MOST_SHOWN) {
@@ -161,11 +158,11 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, ex
         return Some(finding);
     }
     let inertial = first.inertial.as_ref().filter(|_| !robot.joints.is_empty())?;
-    let message = format!("the root link `{}` has an inertia, which KDL ignores", first.name.value);
+    let message = format!("root link `{}` has an inertia, which KDL ignores", first.name.value);
     Some(
         Finding::note(subject, message, inertial.place.clone())
             .hint()
-            .help("put an empty root link above it, if dynamics are computed with KDL")
+            .help("add an empty root link above it, if you compute dynamics with KDL")
             .measured(Measured::count("root links with inertia", 1).limit(0.0)),
     )
 }

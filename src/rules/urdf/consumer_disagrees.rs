@@ -1,4 +1,4 @@
-//! URDF13: another parser refuses the description, or reads another robot from it.
+//! URDF13: another parser rejects the description, or reads a different robot from it.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(crate) struct Limits {
     pub number: f64,
 }
 
-/// The consumer that is asked.
+/// The parser that the description is compared with.
 const CONSUMER: &str = "urdf-rs";
 
 impl Rule for ConsumerDisagrees {
@@ -39,18 +39,19 @@ impl Rule for ConsumerDisagrees {
     }
 }
 
-/// One parser's refusal is an opinion: urdfdom takes files that it does not, and the other way round.
+/// One parser's refusal is no proof: urdfdom accepts files that it rejects, and vice versa.
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
-    let message = format!("{CONSUMER} refuses the description: {why}");
+    let message = format!("the parser {CONSUMER} rejects robot `{}`", robot.name.value);
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
     let finding = Finding::note(
         crate::analysis::urdf::called::robot(world, robot),
         message,
         robot.name.place.clone(),
     )
-    .label("refused")
-    .help("fix what the other rules find here first; programs in Rust cannot load the file as it stands")
-    .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
+    .label("rejected")
+    .detail(why)
+    .help("fix the other findings on this file first: programs in Rust cannot load it")
+    .measured(Measured::count("parsers that reject the file", 1).limit(0.0));
     if explained { finding } else { finding.hint() }
 }
 
@@ -62,7 +63,7 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
     let mut compared = 0;
     let mut differing = 0;
     for joint in &robot.joints {
-        // Joints of one name are URDF05's: which is which cannot be said.
+        // Joints of one name are URDF05's: they cannot be matched.
         let [read] = by_name.get(joint.name.value.as_str()).map_or(&[][..], Vec::as_slice) else {
             continue;
         };
@@ -74,17 +75,17 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
     }
     let (written, read) = (robot.joints.len(), loaded.len());
     if written != read {
-        let message = format!("{CONSUMER} reads {read} joints where {written} are written");
+        let message = format!("{CONSUMER} reads {read} joints, but the file has {written}");
         let finding = Finding::error(
             crate::analysis::urdf::called::robot(world, robot),
             message,
             robot.name.place.clone(),
         )
-        .label("another tree is read")
-        .help("look for joints that stand where a consumer does not look, or that share a name");
+        .label("a different tree is read")
+        .help("look for joints nested where a parser does not read them, or joints with the same name");
         out.fail(finding.measured(Measured::count("joints read", read).limit(written as f64)));
     } else if differing == 0 {
-        let measured = Measured::count("joints read otherwise", 0).limit(0.0);
+        let measured = Measured::count("joints read differently", 0).limit(0.0);
         out.pass(
             crate::analysis::urdf::called::robot(world, robot),
             [measured, Measured::count("joints compared", compared)],
@@ -97,13 +98,13 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     let owner = || crate::analysis::urdf::called::joint(world, robot, joint);
     if let Some((written, read)) = other_link(joint, read) {
         let message = format!(
-            "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",
+            "{CONSUMER} reads link `{read}` at joint `{name}`, but the file names `{}`",
             written.value
         );
         let finding = Finding::error(owner(), message, written.place.clone())
-            .label("read otherwise")
-            .help("write the name plainly, without blanks or entities");
-        return Some(finding.measured(Measured::count("links read otherwise", 1).limit(0.0)));
+            .label("read differently")
+            .help("write the name without whitespace or entities");
+        return Some(finding.measured(Measured::count("links read differently", 1).limit(0.0)));
     }
     // With several origins it is URDF07 that says so.
     let origin = match joint.origins.as_slice() {
@@ -112,10 +113,10 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
         _ => return None,
     };
     if let Some(quaternion) = origin.and_then(|origin| origin.quat_xyzw.as_ref()) {
-        let message = format!("{CONSUMER} does not know `quat_xyzw`: it reads joint `{name}` without its rotation");
+        let message = format!("{CONSUMER} ignores `quat_xyzw`: it reads joint `{name}` without rotation");
         let finding = Finding::note(owner(), message, quaternion.text.place.clone())
-            .label("ignored by older consumers")
-            .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file");
+            .label("ignored by older parsers")
+            .help("write `rpy` as long as parsers of URDF 1.0 and 1.1 read the file");
         return Some(finding.measured(Measured::count("attributes ignored", 1).limit(0.0)));
     }
     let lists = [
@@ -125,16 +126,17 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     lists.into_iter().find_map(|(attribute, written, read)| {
         let difference = difference(written, read).filter(|difference| *difference > limits.number)?;
         let place = written.map_or_else(|| joint.place.clone(), |list| list.text.place.clone());
-        let message = format!("{CONSUMER} reads {attribute} {read:?} at joint `{name}`, off by {difference:.3e}");
+        let message = format!("{CONSUMER} reads a different `{attribute}` at joint `{name}`, off by {difference:.3e}");
         let measured = Measured::new(format!("difference of {attribute}"), difference, "m or rad");
         let finding = Finding::error(owner(), message, place)
-            .label("read otherwise")
+            .label("read differently")
+            .detail(format!("It reads {read:?}."))
             .help("write plain numbers with a decimal point");
         Some(finding.measured(measured.limit(limits.number)))
     })
 }
 
-/// An end of the joint that the consumer takes for another link.
+/// An end of the joint that the parser reads as another link.
 fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a Placed<String>, &'a str)> {
     let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
     ends.into_iter().find_map(|(written, read)| {
@@ -143,7 +145,7 @@ fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a Plac
     })
 }
 
-/// Largest difference of a component; `None` where the text is malformed or not finite, which other rules say.
+/// Largest difference of a component; `None` where the text is malformed or not finite, which other rules report.
 fn difference(written: Option<&NumberList>, read: [f64; 3]) -> Option<f64> {
     let written = written.map_or(Some([0.0; 3]), NumberList::array::<3>)?;
     let differences = written.iter().zip(read).map(|(a, b)| (a - b).abs());

@@ -1,4 +1,4 @@
-//! URDF05: two links or two joints of one name.
+//! URDF05: two links or two joints with the same name.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ impl Rule for DuplicateName {
                 out.pass(
                     crate::analysis::urdf::called::robot(world, robot),
                     [
-                        Measured::count("names given twice", 0).limit(0.0),
+                        Measured::count("duplicate names", 0).limit(0.0),
                         Measured::count("links and joints", robot.links.len() + robot.joints.len()),
                     ],
                 );
@@ -48,10 +48,10 @@ fn duplicates<'a>(what: &str, path: &str, names: impl Iterator<Item = &'a Placed
             Some(
                 Finding::error(
                     format!("{what} `{name}` of {path}"),
-                    format!("{count} {what}s are called `{name}`: consumers refuse the file or keep one of them"),
+                    format!("{count} {what}s are called `{name}`: parsers reject the file or keep one of them"),
                     second.place.clone(),
                 )
-                .label("again")
+                .label("second")
                 .related(first.place.clone(), "first")
                 .help(format!("give each {what} its own name"))
                 .measured(Measured::count(format!("{what}s of this name"), count).limit(1.0)),

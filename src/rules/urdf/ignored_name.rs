@@ -1,4 +1,4 @@
-//! URDF11: a misspelt attribute or element, which consumers ignore.
+//! URDF11: a misspelt attribute or element, which parsers ignore.
 
 use crate::advice::literal::{replace, with_fix};
 use crate::rules::prelude::*;
@@ -16,7 +16,7 @@ impl Rule for IgnoredName {
         for robot in &world.robots {
             let mut misspelt = 0;
             for ignored in &robot.ignored {
-                // A name that is near to none is an extension of some tool, and none of ours to judge.
+                // A name that is similar to no known one is an extension of some tool, and not judged.
                 if let Some(meant) = &ignored.meant {
                     misspelt += 1;
                     out.fail(finding(world, robot, ignored, meant));
@@ -39,13 +39,11 @@ fn finding(world: &World, robot: &Robot, ignored: &Ignored, meant: &str) -> Find
     let (what, name, parent) = (&ignored.what, &ignored.name.value, &ignored.parent);
     let byte = ignored.name.place.span().unwrap_or_default().start;
     let subject = format!("{what} `{name}` at byte {byte} of {}", world.path(robot.source));
-    let message = format!("the {what} `{name}` of <{parent}> is ignored: consumers know `{meant}`");
+    let message = format!("{what} `{name}` of <{parent}> is ignored: probably a typo of `{meant}`");
     let finding = Finding::warning(subject, message, ignored.name.place.clone())
         .likely()
         .label("ignored")
-        .help(format!(
-            "write `{meant}`: what stands here has no effect, and the default is used"
-        ))
+        .help(format!("write `{meant}`: parsers ignore `{name}` and use the default"))
         .measured(Measured::count("misspelt names", 1).limit(0.0));
     // An element has a second name in its end tag, which an edit at this place would not reach.
     if ignored.what != "attribute" {

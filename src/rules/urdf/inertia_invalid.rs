@@ -1,4 +1,4 @@
-//! URDF08: a mass or an inertia that no body has.
+//! URDF08: a mass or an inertia that no rigid body can have.
 
 use crate::advice::{subject, tally::Tally};
 use crate::analysis::urdf::moments::{is_placeholder, principal_moments, rounding};
@@ -11,17 +11,17 @@ pub(crate) struct InertiaInvalid;
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    /// Share of the largest principal moment that rounding may take.
+    /// Allowed rounding error as a share of the largest principal moment.
     pub relative: f64,
-    /// The most that printed digits may excuse, as a share of the largest principal moment.
+    /// The most that few printed digits may excuse, as a share of the largest principal moment.
     pub digits: f64,
-    /// Moments that are taken for zero, kg m².
+    /// Moments up to this are zero, kg m².
     pub absolute: f64,
     /// Share of the largest principal moment up to which a broken bound is a note.
     pub gross: f64,
-    /// Mass under which a link is nothing but a frame, kilograms.
+    /// Mass under which a link is only a frame, kilograms.
     pub weightless_kg: f64,
-    /// Mass under which a fixed link hardly counts, kilograms.
+    /// Mass under which a fixed link hardly matters, kilograms.
     pub light_kg: f64,
 }
 
@@ -64,11 +64,11 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
     if let Some(mass) = body.mass_kg.filter(|mass| *mass < 0.0) {
         let finding = Finding::error(
             owner,
-            format!("the mass of `{name}` is {mass} kg"),
+            format!("the mass of `{name}` is negative: {mass} kg"),
             body.mass_place.clone().unwrap_or_else(|| body.place.clone()),
         )
         .label("negative mass")
-        .help("write the mass of the link; leave <inertial> out where it is not known")
+        .help("write the mass of the link, or leave <inertial> out if it is not known")
         .measured(Measured::new("mass", mass, "kg").limit(0.0));
         return Some(finding);
     }
@@ -90,23 +90,29 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         }
     };
     let finding = if least < -tolerance {
-        let message =
-            format!("the inertia of `{name}` is not positive: its smallest principal moment is {least:.3e} kg m²");
+        let message = format!("the inertia of `{name}` has a negative principal moment: {least:.3e} kg m²");
         Finding::new(severity(least >= -slight), owner, message, place)
             .label("a principal moment is negative")
-            .help("look for a wrong sign or for products of inertia that are too large; simulators refuse or explode")
+            .help("look for a wrong sign or too large products of inertia: simulators reject it or become unstable")
             .measured(Measured::new("smallest principal moment", least, "kg m²").limit(0.0))
     } else if least + middle < largest - tolerance {
-        let message = format!(
-            "the inertia of `{name}` belongs to no body: its largest principal moment {largest:.3e} kg m² is over the \
-             sum of the others, {:.3e} kg m²",
-            (least + middle).max(0.0)
-        );
-        // A light link that is fixed to another is lumped into it, where its own moments hardly count.
+        let sum = (least + middle).max(0.0);
+        let ratio = match largest / sum {
+            ratio if ratio < 2.0 => format!("{:.1} % above", 100.0 * (ratio - 1.0)),
+            ratio if ratio.is_finite() => format!("{ratio:.1} times"),
+            // The others are zero.
+            _ => "larger than".to_owned(),
+        };
+        let message = format!("impossible inertia of `{name}`: one principal moment is {ratio} the sum of the others");
+        // A light link that is fixed to another is lumped into it, where its own moments hardly matter.
         let is_light = body.mass_kg.is_none_or(|mass| mass < limits.light_kg) && is_fixed(robot, link);
         let is_slight = largest - (least + middle) <= slight;
         Finding::new(severity(is_slight || is_light), owner, message, place)
-            .label("breaks the triangle inequality")
+            .label("violates the triangle inequality")
+            .detail(format!(
+                "The largest principal moment is {largest:.3e} kg m², the sum of the others {sum:.3e} kg m²; for a rigid body it is at most \
+                 the sum."
+            ))
             .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
             .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
     } else {
@@ -131,10 +137,9 @@ fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option
         .filter(|(_, body)| body.mass_kg.is_some_and(|mass| mass > 0.0))
         .count();
     let message = format!(
-        "{} of {} links have an inertia of zero, {heavy} of them with a mass; the first is `{}`",
+        "{} of {} links have zero inertia, {heavy} of them with a mass",
         zero.len(),
-        robot.links.len(),
-        link.name.value
+        robot.links.len()
     );
     Some(
         Finding::note(
@@ -142,8 +147,10 @@ fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option
             message,
             body.place.clone(),
         )
-        .label("all moments are zero")
-        .help("harmless on links that only carry a frame; a simulator needs moments on those that move")
+        .label(format!("all moments of `{}` are zero", link.name.value))
+        .help(
+            "write the moments of the links that move in a simulation; zero is harmless on links that are only a frame",
+        )
         .measured(Measured::count("links with zero inertia", zero.len())),
     )
 }

@@ -1,4 +1,4 @@
-//! URDF03: the axis of a moving joint is zero, or not of length one.
+//! URDF03: the axis of a moving joint is zero, or not normalised.
 
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::{subject, tally::Tally};
@@ -27,7 +27,7 @@ impl Rule for JointAxis {
         for robot in &world.robots {
             let mut axes = 0;
             for joint in robot.joints.iter().filter(|joint| moves_along_an_axis(joint)) {
-                // Lists that no consumer reads are URDF10's, NaN is ROT05's.
+                // Lists that no parser reads are URDF10's, NaN is ROT05's.
                 let axis = joint.axis.as_ref().and_then(|list| Some((list, list.array::<3>()?)));
                 let Some((list, [x, y, z])) = axis else { continue };
                 let length = x.hypot(y).hypot(z);
@@ -67,7 +67,7 @@ fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, lengt
             list.text.place.clone(),
         )
         .label("no direction")
-        .help("write the direction the joint moves about or along; a joint that does not move is `fixed`");
+        .help("write the direction that the joint moves about or along; make a joint that does not move `fixed`");
     }
     let edits = list
         .literals
@@ -76,10 +76,10 @@ fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, lengt
         .collect();
     let finding = Finding::warning(
         owner,
-        format!("the axis `{text}` of joint `{name}` has the length {length:.4}"),
+        format!("the axis `{text}` of joint `{name}` has length {length:.4}, not 1"),
         list.text.place.clone(),
     )
-    .label("not of length one")
-    .help("normalise it: some consumers do so, others turn or shift the joint by that much more");
+    .label("not normalised")
+    .help("normalise the axis: some programs do so, others scale the joint's motion by its length");
     with_fix(finding, "normalise the axis", Safety::ChangesBehaviour, edits)
 }

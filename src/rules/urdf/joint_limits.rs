@@ -1,4 +1,4 @@
-//! URDF04: limits of joints that are missing, the wrong way round, or in degrees.
+//! URDF04: joint limits that are missing, reversed, or in degrees.
 
 use std::f64::consts::PI;
 
@@ -52,14 +52,14 @@ fn needs_limit(joint: &Joint) -> bool {
 }
 
 fn missing(world: &World, robot: &Robot, joint: &Joint) -> Finding {
-    let message = format!("the {} joint `{}` has no <limit>", joint.kind.value, joint.name.value);
+    let message = format!("{} joint `{}` has no <limit>", joint.kind.value, joint.name.value);
     Finding::note(
         crate::analysis::urdf::called::joint(world, robot, joint),
         message,
         joint.place.clone(),
     )
     .label("a limit is required here")
-    .help("add <limit lower upper effort velocity>, or make the joint `continuous`: urdfdom refuses the file")
+    .help("add <limit lower upper effort velocity>, or make the joint `continuous`: urdfdom rejects the file")
     .measured(Measured::count("limits", 0).limit(1.0))
 }
 
@@ -73,7 +73,7 @@ fn judge_limit(
     out: &mut Judge,
 ) {
     let both = [&limit.lower, &limit.upper];
-    // What is no number is URDF10's; a macro is expanded by something else.
+    // Text that is no number is URDF10's; a macro is expanded elsewhere.
     if both
         .into_iter()
         .flatten()
@@ -93,13 +93,12 @@ fn judge_limit(
         .reduce(crate::source::Span::cover)
         .map_or_else(|| limit.place.clone(), |span| Place::text(robot.source, span));
     if lower > upper {
-        let message =
-            format!("the limits of joint `{name}` are the wrong way round: lower {lower} is over upper {upper}");
-        // Bullet takes lower over upper for "free", and its own models write 1 and -1 for that.
+        let message = format!("the limits of joint `{name}` are reversed: lower {lower} is above upper {upper}");
+        // Bullet reads lower above upper as "free", and its own models write 1 and -1 for that.
         let is_idiom = !is_revolute && upper >= -1.0 && lower <= 1.0 && [lower, upper].iter().all(|b| b.fract() == 0.0);
         let severity = if is_idiom { Severity::Note } else { Severity::Error };
         let finding = Finding::new(severity, owner, message, place)
-            .label("lower over upper")
+            .label("lower is above upper")
             .help("exchange the two numbers, or correct the sign of one")
             .measured(Measured::new("upper minus lower", upper - lower, unit).limit(0.0));
         return out.fail(finding);
@@ -111,8 +110,7 @@ fn judge_limit(
         return;
     }
     let message = format!(
-        "the limits {lower} and {upper} of the revolute joint `{name}` look like degrees where radians are read: \
-         {:.0} turns",
+        "the limits {lower} and {upper} of joint `{name}` are probably degrees: as radians {:.0} turns",
         largest / (2.0 * PI)
     );
     let edits = literals
@@ -128,7 +126,7 @@ fn judge_limit(
     let finding = finding
         .likely()
         .label("degrees?")
-        .help("write radians (90 degrees are 1.5707963267948966); a joint without an end is `continuous`")
+        .help("write radians (90 degrees are 1.5707963267948966); make a joint without limits `continuous`")
         .relation("degrees")
         .measured(measured.limit(2.0 * PI * limits.least_turns));
     out.fail(with_fix(
@@ -139,7 +137,7 @@ fn judge_limit(
     ));
 }
 
-/// Over the turns a joint makes, under the numbers that stand for "no limit" (1e16, 999999, DBL_MAX, 100 and 1000).
+/// Above the turns a joint makes, below the numbers that mean "no limit" (1e16, 999999, DBL_MAX, 100 and 1000).
 fn looks_like_degrees(lower: f64, upper: f64, limits: &Limits) -> bool {
     let largest = lower.abs().max(upper.abs());
     let power_of_ten = largest.log10().fract() == 0.0 && (lower + upper == 0.0 || lower == 0.0);

@@ -1,4 +1,4 @@
-//! URDF10: an attribute that a consumer cannot read as numbers.
+//! URDF10: an attribute that a parser cannot read as numbers.
 
 use std::collections::BTreeSet;
 
@@ -38,7 +38,7 @@ impl Rule for MalformedNumber {
             if let Some(first) = macros.first() {
                 out.missing(
                     crate::analysis::urdf::called::robot(world, robot), format!(
-                        "{} attributes hold macros, the first `{}`: expand the file",
+                        "{} attributes contain macros, the first `{}`: expand the file with xacro",
                         macros.len(),
                         first.text.value
                     ),
@@ -53,7 +53,7 @@ impl Rule for MalformedNumber {
     }
 }
 
-/// Numbers all, and as many as there should be: then NaN or infinity is what is wrong, and ROT05 says so.
+/// As many numbers as required, some of them NaN or infinite: ROT05 reports that.
 fn only_non_finite(list: &NumberList) -> bool {
     let is_number = |literal: &Literal| literal.value.is_finite() || is_spelled_non_finite(literal);
     list.literals.len() == list.expected
@@ -71,33 +71,33 @@ fn broken_limits(robot: &Robot) -> Vec<(&Literal, Place)> {
 }
 
 fn no_number(world: &World, robot: &Robot, literal: &Literal, place: Place) -> Finding {
-    let message = format!("the limit `{}` is no number", literal.text);
+    let message = format!("the joint limit `{}` is not a number", literal.text);
     fail(world, robot.source, "limit", message, place)
 }
 
 fn finding(world: &World, robot: &Robot, list: &NumberList) -> Finding {
-    let why = list.malformed.as_deref().unwrap_or("not what a consumer reads");
+    let why = list.malformed.as_deref().unwrap_or("not a list of numbers");
     let message = format!("`{}=\"{}\"` cannot be read: {why}", list.attribute, list.text.value);
     let finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
     let edits = respaced(list).and_then(|text| {
         let edit = replace(world, list.text.place.clone(), &list.text.value, text);
         edit.map(|edit| vec![edit])
     });
-    with_fix(finding, "separate the numbers by blanks", Safety::Safe, edits)
+    with_fix(finding, "separate the numbers by spaces", Safety::Safe, edits)
 }
 
 fn fail(world: &World, source: SourceId, attribute: &str, message: String, place: Place) -> Finding {
     let span = place.span().unwrap_or_default();
-    // The byte tells two broken attributes of one name apart.
+    // The byte distinguishes two broken attributes of one name.
     let subject = format!("`{attribute}` at byte {} of {}", span.start, world.path(source));
     Finding::error(subject, message, place)
-        .label("no list of numbers")
-        .help("write plain numbers with a decimal point, separated by blanks")
+        .label("not a list of numbers")
+        .help("write plain numbers with a decimal point, separated by spaces")
         .measured(Measured::count("attributes that are no numbers", 1).limit(0.0))
 }
 
 /// `1, 2, 3`, `1,2,3` and numbers between tabs become `1 2 3`, where that gives exactly the numbers expected. With a comma
-/// in some of the gaps only, it may as well be a decimal comma.
+/// in some of the gaps only, it may be a decimal comma.
 fn respaced(list: &NumberList) -> Option<String> {
     let text = list.text.value.replace([',', ';'], " ");
     let numbers: Vec<&str> = text.split_whitespace().collect();

@@ -1,4 +1,4 @@
-//! URDF09: meshes that are not where the description says.
+//! URDF09: mesh files that do not exist.
 
 use crate::advice::subject;
 use crate::rules::prelude::*;
@@ -32,7 +32,7 @@ impl Rule for MeshMissing {
                 .collect();
             let found = meshes.iter().filter(|(_, mesh)| mesh.found == Some(true)).count();
             let unknown = meshes.len() - missing.len() - found;
-            // Where all are missing, the description came alone: that says nothing about the robot.
+            // Where all are missing, the description was probably copied without its meshes.
             let is_slip = found > 0;
             if meshes.is_empty() {
                 subject::nothing(world, robot, "mesh", out);
@@ -42,7 +42,7 @@ impl Rule for MeshMissing {
                 out.pass(
                     format!("meshes of {}", world.path(robot.source)),
                     [
-                        Measured::count("meshes that are not there", 0).limit(0.0),
+                        Measured::count("missing meshes", 0).limit(0.0),
                         Measured::count("meshes found", found),
                     ],
                 );
@@ -50,7 +50,7 @@ impl Rule for MeshMissing {
             if unknown > 0 {
                 out.missing(
                     format!("meshes elsewhere of {}", world.path(robot.source)), format!(
-                        "{unknown} of {} meshes are in packages that are not among the inputs",
+                        "{unknown} of {} meshes are in packages that are not among the inputs: add the folders of these packages",
                         meshes.len()
                     ),
                 );
@@ -68,25 +68,22 @@ fn finding(
 ) -> Option<Finding> {
     let (link, first) = missing.first()?;
     let message = match missing.len() {
-        n if !is_slip => format!(
-            "none of the {n} meshes is there, the first is `{}`",
-            first.filename.value
-        ),
-        1 => format!(
-            "the {} mesh `{}` of `{}` is not there",
-            first.usage, first.filename.value, link.name.value
-        ),
-        n => format!(
-            "{n} meshes are not there, the first is `{}` of `{}`",
-            first.filename.value, link.name.value
-        ),
+        n if !is_slip => format!("none of the {n} mesh files of robot `{}` exists", robot.name.value),
+        1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
+        n => format!("{n} mesh files do not exist, the first is that of `{}`", link.name.value),
+    };
+    let file = &first.filename.value;
+    let detail = match missing.len() - 1 {
+        0 => format!("Missing: `{file}`."),
+        more => format!("Missing: `{file}` and {more} more."),
     };
     let subject = format!("meshes of {}", world.path(robot.source));
     let severity = if is_slip { Severity::Warning } else { Severity::Note };
     let mut finding = Finding::new(severity, subject, message, first.filename.place.clone())
         .label("no such file")
-        .help("correct the path (upper and lower case count), or add the mesh")
-        .measured(Measured::count("meshes that are not there", missing.len()).limit(0.0));
+        .detail(detail)
+        .help("correct the path (it is case-sensitive), or add the mesh file")
+        .measured(Measured::count("missing meshes", missing.len()).limit(0.0));
     for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
         finding = finding.related(mesh.filename.place.clone(), format!("of `{}`", link.name.value));
     }

@@ -1,4 +1,4 @@
-//! URDF01: a mesh that is flattened, mirrored or drawn a thousand times too large.
+//! URDF01: a mesh that is flattened, mirrored or a thousand times too large.
 
 use crate::advice::{subject, tally::Tally};
 use crate::analysis::urdf::scaled::{Scaled, mirrored_on_purpose, scaled};
@@ -50,29 +50,30 @@ fn judge_scale(world: &World, robot: &Robot, scaled: &Scaled, on_purpose: bool, 
     let link = &scaled.link.name.value;
     let (text, usage, file) = (scaled.text(), &scaled.mesh.usage, scaled.file());
     if scaled.factors.contains(&0.0) {
-        let message = format!("the {usage} mesh of `{link}` is flattened: its scale is {text}");
+        let message = format!("the {usage} mesh of `{link}` is flat: its scale is {text}");
         let finding = Finding::error(owner, message, scaled.place()).label("a factor of zero");
         return Some(
             finding
-                .help("write 1 for an axis that is not scaled")
+                .help("write 1 for an axis without scaling")
                 .measured(largest(scaled)),
         );
     }
     if scaled.factors.iter().any(|factor| factor.abs() >= limits.huge) {
-        let message = format!("the {usage} mesh of `{link}` is enlarged: its scale is {text}");
+        let message = format!("the {usage} mesh of `{link}` is probably too large: its scale is {text}");
         let finding = Finding::warning(owner, message, scaled.place())
             .likely()
-            .label("a part of a robot, or of a town?")
+            .label("too large for a robot")
             .relation("millimetres")
-            .help("meshes in millimetres need 0.001 0.001 0.001, the inverse of this")
+            .help("write 0.001 0.001 0.001 for a mesh in millimetres, the inverse of this")
             .measured(largest(scaled).limit(limits.huge));
         return Some(finding);
     }
     if scaled.is_mirrored() && !on_purpose {
-        let message = format!("the {usage} mesh `{file}` of `{link}` is mirrored: its scale is {text}");
+        let message = format!("the {usage} mesh of `{link}` is mirrored: its scale is {text}");
         let finding = Finding::note(owner, message, scaled.place())
-            .label("drawn mirrored")
-            .help("mirror the mesh file itself, if that is meant: a negative scale turns the faces inside out")
+            .label("mirrored")
+            .detail(format!("The mesh is `{file}`."))
+            .help("mirror the mesh file itself if that is intended: a negative scale flips the faces inside out")
             .measured(Measured::new("product of the factors", scaled.factors.iter().product(), "1").limit(0.0));
         return Some(finding);
     }

@@ -1,4 +1,4 @@
-//! URDF06: a joint that mimics one that does not exist.
+//! URDF06: a joint that mimics a joint that does not exist.
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ impl Rule for MissingMimic {
                 let found = joints.get(of.as_str()).copied().unwrap_or(0);
                 let measured = Measured::count("joints of the mimicked name", found);
                 let message = if found == 0 {
-                    format!("joint `{name}` mimics `{of}`, and there is no such joint")
+                    format!("joint `{name}` mimics joint `{of}`, which does not exist")
                 } else if name == of {
                     format!("joint `{name}` mimics itself")
                 } else {
@@ -48,8 +48,8 @@ impl Rule for MissingMimic {
                 let near = || Some(index.nearest(&FrameId::new(of), Reach::SUGGESTION)?.frame.as_str());
                 let near = || folded.get(&of.to_lowercase()).copied().or_else(near);
                 let help = match near().filter(|_| found == 0) {
-                    Some(near) => format!("is `{near}` meant?"),
-                    None => "name the joint whose position is followed".to_owned(),
+                    Some(near) => format!("write `{near}`, if that joint is meant"),
+                    None => "name the joint to follow".to_owned(),
                 };
                 let finding = Finding::error(
                     crate::analysis::urdf::called::joint(world, robot, joint),

@@ -1,4 +1,4 @@
-//! URDF07: an element that stands twice where consumers read one.
+//! URDF07: a repeated element where parsers read only one.
 
 use crate::advice::subject;
 use crate::rules::prelude::*;
@@ -7,7 +7,7 @@ use crate::world::robot::{Repeated, Robot};
 
 pub(crate) struct RepeatedElement;
 
-/// Elements that place or move frames: which of two is read decides where a link is.
+/// Elements that place or move frames: the one that is read decides where a link is.
 const PLACING: &[&str] = &["origin", "parent", "child", "axis", "limit", "mimic"];
 
 impl Rule for RepeatedElement {
@@ -15,13 +15,13 @@ impl Rule for RepeatedElement {
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
-        // In a fragment both may stand in branches of which one is taken.
+        // In a fragment both may be in alternative branches.
         for robot in subject::whole_robots(world, out) {
             if robot.repeated.is_empty() {
                 out.pass(
                     crate::analysis::urdf::called::robot(world, robot),
                     [
-                        Measured::count("elements written too often", 0).limit(0.0),
+                        Measured::count("repeated elements", 0).limit(0.0),
                         Measured::count("joints", robot.joints.len()),
                     ],
                 );
@@ -48,19 +48,19 @@ fn finding(world: &World, robot: &Robot, repeated: &Repeated) -> Option<Finding>
         (false, false) => Severity::Warning,
     };
     let (element, owner, count) = (&repeated.element, &repeated.owner, repeated.places.len());
-    let verb = if same { "all alike" } else { "and they differ" };
-    let message = format!("{owner} has {count} <{element}> elements, {verb}: a consumer reads one of them");
+    let verb = if same { "all equal" } else { "which differ" };
+    let message = format!("{owner} has {count} <{element}> elements, {verb}: parsers read only one");
     let subject = format!("<{element}> of {owner} of {}", world.path(robot.source));
     Some(
         Finding::new(severity, subject, message, second.clone())
-            .label("again")
+            .label("second")
             .related(first.clone(), "first")
-            .help("keep the one that is meant: which one is read differs from consumer to consumer")
+            .help("delete all but the intended one: which one is read depends on the parser")
             .measured(Measured::count(format!("<{element}> elements"), count).limit(1.0)),
     )
 }
 
-/// The text of an element without blanks, as far as its place covers it; empty where there is no text.
+/// The text of an element with whitespace collapsed, as far as its place covers it; empty where there is no text.
 fn text(world: &World, place: &Place) -> String {
     let source = world.source(place.source);
     let text = source

@@ -1,4 +1,4 @@
-//! URDF02: a joint between a link and itself.
+//! URDF02: a joint that connects a link with itself.
 
 use crate::advice::{subject, tally::Tally};
 use crate::rules::prelude::*;
@@ -25,7 +25,7 @@ impl Rule for SelfJoint {
                     continue;
                 };
                 let message = format!(
-                    "joint `{}` joins the link `{}` with itself",
+                    "joint `{}` connects link `{}` with itself",
                     joint.name.value, parent.value
                 );
                 let finding = Finding::error(
@@ -35,7 +35,7 @@ impl Rule for SelfJoint {
                 )
                 .label("child")
                 .related(parent.place.clone(), "parent")
-                .help("name the two links that the joint joins")
+                .help("name the two links that the joint connects")
                 .measured(Measured::count("joints of a link with itself", 1).limit(0.0));
                 out.fail(finding);
             }

@@ -1,4 +1,4 @@
-//! URDF12: a joint type that no consumer knows.
+//! URDF12: a joint type that no parser knows.
 
 use crate::advice::literal::{is_macro, replace, with_fix};
 use crate::advice::{subject, tally::Tally};
@@ -12,7 +12,7 @@ pub(crate) struct UnknownJointType;
 /// The types of the URDF specification.
 const KNOWN: &[&str] = &["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
-/// Types that some consumers add: PyBullet and Drake read `spherical`/`ball`, Drake `universal` and `screw`.
+/// Types that some parsers add: PyBullet and Drake read `spherical`/`ball`, Drake `universal` and `screw`.
 const EXTENSIONS: &[&str] = &["spherical", "ball", "universal", "screw"];
 
 impl Rule for UnknownJointType {
@@ -26,7 +26,7 @@ impl Rule for UnknownJointType {
                 subject::nothing(world, robot, "joints", out);
             }
             for joint in robot.joints.iter().filter(|joint| !is_macro(&joint.kind.value)) {
-                let measured = Measured::count("types that the specification does not know", 1).limit(0.0);
+                let measured = Measured::count("types outside the specification", 1).limit(0.0);
                 match finding(world, robot, joint) {
                     Some(finding) => out.fail(finding.measured(measured)),
                     None => right.count(robot.source),
@@ -45,14 +45,14 @@ fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
         return None;
     }
     if EXTENSIONS.contains(&kind) {
-        let message = format!("joint `{name}` is of type `{kind}`, which only some consumers know");
+        let message = format!("joint `{name}` has type `{kind}`, which only some parsers know");
         let finding = Finding::note(owner, message, place).label("an extension");
-        return Some(finding.help("urdfdom refuses the file: keep it to the simulator that reads it"));
+        return Some(finding.help("use the file only in simulators that know the type: urdfdom rejects it"));
     }
     let message = if kind.is_empty() {
         format!("joint `{name}` has no type")
     } else {
-        format!("joint `{name}` is of type `{kind}`, which does not exist")
+        format!("joint `{name}` has type `{kind}`, which does not exist")
     };
     let lower = kind.trim().to_lowercase();
     let near = KNOWN
@@ -62,12 +62,10 @@ fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
     Some(match near {
         Some(near) if lower == **near => {
             let edits = replace(world, place, kind, *near).map(|edit| vec![edit]);
-            let finding = finding.help(format!(
-                "write `{near}`: types are written in lower case, without blanks"
-            ));
+            let finding = finding.help(format!("write `{near}`: types are lower case, without whitespace"));
             with_fix(finding, &format!("write `{near}`"), Safety::Safe, edits)
         }
-        Some(near) => finding.help(format!("is `{near}` meant?")),
-        None => finding.help(format!("the types are {}", KNOWN.join(", "))),
+        Some(near) => finding.help(format!("write `{near}`, if that is meant")),
+        None => finding.help(format!("write one of {}", KNOWN.join(", "))),
     })
 }

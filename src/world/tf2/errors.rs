@@ -1,4 +1,4 @@
-//! How tf2 refuses transforms and look-ups, in its own words.
+//! How tf2 refuses transforms and look-ups, with its own messages.
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ pub enum Refused {
         /// `|q|²`.
         norm_squared: f64,
     },
-    /// The very same transform is there already. ROS 1 drops every further transform with the stamp of another one
+    /// The same transform exists already. ROS 1 drops every further transform with the stamp of another one
     /// (`TF_REPEATED_DATA`); ROS 2 only one that is equal in all its numbers.
     Repeated,
     /// Older than the newest sample by more than the cache is long (`TF_OLD_DATA`).
@@ -47,21 +47,21 @@ impl Refused {
 pub enum Extrapolation {
     /// Before the earliest sample.
     Past {
-        /// The stamp asked for.
+        /// The requested stamp.
         requested_ns: i64,
         /// Stamp of the earliest sample.
         earliest_ns: i64,
     },
     /// After the latest sample.
     Future {
-        /// The stamp asked for.
+        /// The requested stamp.
         requested_ns: i64,
         /// Stamp of the latest sample.
         latest_ns: i64,
     },
     /// There is one sample only, of another stamp.
     Single {
-        /// The stamp asked for.
+        /// The requested stamp.
         requested_ns: i64,
         /// Stamp of the sample.
         only_ns: i64,
@@ -69,7 +69,7 @@ pub enum Extrapolation {
 }
 
 impl Extrapolation {
-    /// Whether the stamp asked for lies before the samples.
+    /// Whether the requested stamp is before the samples.
     pub fn is_past(self) -> bool {
         match self {
             Self::Past { .. } => true,
@@ -82,7 +82,7 @@ impl Extrapolation {
 /// Why a look-up has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LookupError {
-    /// A name that cannot be asked for: empty, or with a leading slash.
+    /// A name that cannot be requested: empty, or with a leading slash.
     InvalidArgument {
         /// The name.
         frame: String,
@@ -96,13 +96,13 @@ pub enum LookupError {
         /// Whether it was the target's.
         is_target: bool,
     },
-    /// The parents go round in a cycle, or are more than a thousand.
+    /// The parents form a cycle, or are more than a thousand.
     Loop,
     /// The two frames are in different trees.
     NotConnected {
-        /// The target as asked for.
+        /// The requested target.
         target: FrameId,
-        /// The source as asked for.
+        /// The requested source.
         source: FrameId,
     },
     /// An edge on the way has no value at the stamp.
@@ -111,9 +111,9 @@ pub enum LookupError {
         child: FrameId,
         /// What is missing.
         what: Extrapolation,
-        /// The target as asked for.
+        /// The requested target.
         target: FrameId,
-        /// The source as asked for.
+        /// The requested source.
         source: FrameId,
     },
 }
@@ -130,7 +130,7 @@ impl LookupError {
     }
 }
 
-/// Seconds with nine digits, as tf2 prints them in substance; exact.
+/// Seconds with nine digits, as tf2 prints them, but exact.
 fn seconds(ns: i64) -> String {
     let sign = if ns < 0 { "-" } else { "" };
     let ns = ns.unsigned_abs();

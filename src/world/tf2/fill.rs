@@ -1,4 +1,4 @@
-//! Buffers filled from what is known of a platform: recorded TF, the joints of its URDF, and what launch files publish.
+//! Buffers filled from the facts of a platform: recorded TF, the joints of its URDF, and what launch files publish.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::world::graph::EdgeOrigin;
 
 use super::{Buffer, Incoming};
 
-/// What stands before `tf` and `tf_static` in a topic's name: `/` of `/tf`, `/robot1/` of `/robot1/tf_static`. One buffer
+/// The part before `tf` and `tf_static` in a topic's name: `/` of `/tf`, `/robot1/` of `/robot1/tf_static`. One buffer
 /// listens to the two topics of one namespace. A topic of another name is a namespace of its own.
 pub fn namespace(topic: &str) -> &str {
     match topic.rsplit('/').next() {
@@ -25,10 +25,10 @@ pub fn namespaces(bag: &BagEvidence) -> BTreeSet<&str> {
 }
 
 impl Buffer {
-    /// A buffer that heard the recorded transforms of one namespace, in the order of the recording. Tags are indices into
+    /// A buffer that received the recorded transforms of one namespace, in the order of the recording. Tags are indices into
     /// `bag.tf`.
     ///
-    /// Evidence holds a thinned series of each edge: times between two kept samples are interpolated over those left out.
+    /// Evidence holds a thinned series of each edge: times between two kept samples are interpolated over the others.
     pub fn of_recording(bag: &BagEvidence, namespace: &str, cache_ns: Option<i64>) -> Self {
         let mut buffer = Self::new(cache_ns);
         for (tag, edge, sample) in heard(bag, namespace) {
@@ -47,7 +47,7 @@ impl Buffer {
             is_static: edge.is_static,
             tag,
         };
-        // What tf2 would drop is dropped; other rules say so.
+        // What tf2 would drop is dropped here; other rules report it.
         let _ = self.insert(&heard);
     }
 }
@@ -67,8 +67,8 @@ fn heard<'a>(bag: &'a BagEvidence, of: &str) -> Vec<(usize, &'a TfEdge, &'a TfSa
 
 impl World {
     /// An unlimited buffer of a whole platform, as after `robot_state_publisher`, the static publishers of launch files and all
-    /// recordings were played back: the joints of URDFs whose child no recording names (moving ones at their zero position), what is
-    /// published of other frames (the first statement of each), then the TF of one namespace of every recording. Tags are indices
+    /// recordings were played back: the joints of URDFs whose child no recording names (moving ones at their zero position), transforms that are
+    /// published for other frames (the first statement of each), then the TF of one namespace of every recording. Tags are indices
     /// into the list of origins.
     pub fn tf2(&self, namespace: &str) -> (Buffer, Vec<EdgeOrigin>) {
         let mut buffer = Buffer::new(None);

@@ -19,18 +19,18 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Whether all is equal that was published.
+    /// Whether all published values are equal.
     fn repeats(&self, other: &Self) -> bool {
         (self.stamp_ns, self.parent) == (other.stamp_ns, other.parent) && self.pose == other.pose
     }
 }
 
-/// What is known of one child.
+/// What is known about one child.
 #[derive(Clone, Debug)]
 pub(super) enum History {
     /// One transform for all times.
     Static(Sample),
-    /// By stamp; of equal stamps the one that came later stands later. Never empty.
+    /// By stamp; of equal stamps, the one that came later follows. Never empty.
     Moving(VecDeque<Sample>),
 }
 
@@ -56,7 +56,7 @@ impl History {
         matches!(self, Self::Static(_))
     }
 
-    /// Old data go first, by the newest stamp before this sample.
+    /// Old data are removed first, by the newest stamp before this sample.
     pub(super) fn insert(&mut self, sample: Sample, cache_ns: Option<i64>) -> Result<(), Refused> {
         let samples = match self {
             Self::Static(known) => {
@@ -86,7 +86,7 @@ impl History {
         Ok(())
     }
 
-    /// The edge at a stamp; zero asks for the latest.
+    /// The edge at a stamp; zero requests the latest.
     pub(super) fn at(&self, stamp_ns: i64) -> Result<Edge, Extrapolation> {
         let samples = match self {
             Self::Static(sample) => return Ok(whole(sample, MadeFrom::Static)),
@@ -126,7 +126,7 @@ impl History {
         let older = after.checked_sub(1).and_then(|index| samples.get(index)).ok_or(past)?;
         match samples.get(after) {
             Some(newer) if newer.parent == older.parent => Ok(between(older, newer, stamp_ns)),
-            // Where the parent changes there is nothing to interpolate: the older sample stands.
+            // Where the parent changes there is nothing to interpolate: the older sample is used.
             _ => one(older),
         }
     }
@@ -167,7 +167,7 @@ fn whole(sample: &Sample, made_from: MadeFrom) -> Edge {
     }
 }
 
-/// Linear in the translation, spherical (the shorter way round) in the rotation.
+/// Linear in the translation, spherical (along the shorter arc) in the rotation.
 fn between(older: &Sample, newer: &Sample, stamp_ns: i64) -> Edge {
     if stamp_ns == older.stamp_ns {
         return whole(older, MadeFrom::Sample(older.stamp_ns));

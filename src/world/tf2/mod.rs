@@ -4,12 +4,12 @@
 //! recordings, except that `fill` takes their evidence. Must not judge.
 //!
 //! Where the generations differ, ROS 2 is followed: ROS 1 (0.7.6) drops every further transform with the stamp of another
-//! one, prunes after the insertion and not before, and keeps a child static or moving as it first came. In one thing ROS 1
+//! one, prunes after the insertion and not before, and keeps a child static or moving as it was at first. In one thing ROS 1
 //! is followed: it drops quaternions that are far from unit length, where ROS 2 normalises all but zeros.
 //!
-//! Two things are done otherwise, and on purpose. Quaternions are normalised when they come in (ROS 1 computes with what it
-//! got, so that a quaternion within its tolerance may stretch a vector by one percent). Infinite translations are
-//! refused (tf2 looks for NaN only, and answers with infinities).
+//! Two things differ on purpose. Quaternions are normalised when they come in (ROS 1 uses them as
+//! received, so that a quaternion within its tolerance may stretch a vector by one percent). Infinite translations are
+//! refused (tf2 checks for NaN only, and returns infinities).
 
 mod errors;
 mod fill;
@@ -29,7 +29,7 @@ pub use errors::{Extrapolation, LookupError, Refused};
 pub use fill::{namespace, namespaces};
 use history::{History, Sample};
 
-/// What `tf2_ros::Buffer` keeps unless told otherwise (`TIMECACHE_DEFAULT`, tf2/buffer_core.h): nanoseconds.
+/// What `tf2_ros::Buffer` keeps by default (`TIMECACHE_DEFAULT`, tf2/buffer_core.h): nanoseconds.
 pub const DEFAULT_CACHE_NS: i64 = 10_000_000_000;
 
 /// tf2 drops a transform whose quaternion has `| |q|² - 1 |` of this or more (`QUATERNION_NORMALIZATION_TOLERANCE`).
@@ -54,18 +54,18 @@ pub struct Incoming<'a> {
     pub translation_m: [f64; 3],
     /// `[x, y, z, w]` of `parent_from_child`.
     pub rotation_xyzw: [f64; 4],
-    /// Whether it holds at all times (`/tf_static`).
+    /// Whether it is valid at all times (`/tf_static`).
     pub is_static: bool,
-    /// Whatever the caller wants to find again in [`Factor::tags`].
+    /// A tag of the caller, returned in [`Factor::tags`].
     pub tag: usize,
 }
 
 /// The answer to a look-up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The transform that was asked for.
+    /// The requested transform.
     pub target_from_source: Isometry3<f64>,
-    /// The stamp that it holds at: the one asked for, or the latest common one. Zero where everything is static.
+    /// Its stamp: the requested one, or the latest common one. Zero where everything is static.
     pub stamp_ns: i64,
     /// Its factors from left to right: `target_from_a * a_from_b * ... * z_from_source`. Up from the target to the common
     /// ancestor against the edges' own direction, then down to the source along it.
@@ -83,25 +83,25 @@ pub struct Factor {
     pub is_forward: bool,
     /// The edge, interpolated.
     pub parent_from_child: Isometry3<f64>,
-    /// What it was made from.
+    /// The samples that it was made from.
     pub made_from: MadeFrom,
     /// Tags of the sample before and, where it was interpolated, of the one after.
     pub tags: (usize, Option<usize>),
 }
 
-/// What an edge's value was made from.
+/// The samples that an edge's value was made from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MadeFrom {
-    /// A static transform, which holds at all times.
+    /// A static transform, valid at all times.
     Static,
-    /// One sample with this stamp, nanoseconds: the stamp asked for, or an older one where the parent changes after it.
+    /// One sample with this stamp, nanoseconds: the requested stamp, or an older one where the parent changes after it.
     Sample(i64),
     /// Interpolated between the samples with these stamps, nanoseconds.
     Between(i64, i64),
 }
 
 impl Factor {
-    /// The factor as it stands in the product.
+    /// The factor in the product.
     pub fn value(&self) -> Isometry3<f64> {
         if self.is_forward {
             self.parent_from_child
@@ -110,7 +110,7 @@ impl Factor {
         }
     }
 
-    /// Target and source of the factor as it stands in the product.
+    /// Target and source of the factor in the product.
     pub fn frames(&self) -> (&FrameId, &FrameId) {
         if self.is_forward {
             (&self.parent, &self.child)
@@ -143,8 +143,8 @@ impl Buffer {
         }
     }
 
-    /// Takes in a transform. A child has one history, whoever its parent is; a change between static and moving starts
-    /// it anew.
+    /// Takes in a transform. A child has one history for all of its parents; a change between static and moving
+    /// restarts it.
     ///
     /// # Errors
     ///
@@ -186,7 +186,7 @@ impl Buffer {
         self.numbers.contains_key(frame)
     }
 
-    /// Every frame that has a parent at some time, with its edge at a stamp; zero asks for the latest of each.
+    /// Every frame that has a parent at some time, with its edge at a stamp; zero requests the latest of each.
     pub fn edges_at(&self, stamp_ns: i64) -> Vec<(&FrameId, Result<Factor, Extrapolation>)> {
         let at = |frame: &Frame| Some(frame.history.as_ref()?.at(stamp_ns));
         let factor = |child: &FrameId, edge: history::Edge| Factor {

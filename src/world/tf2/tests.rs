@@ -1,4 +1,4 @@
-//! The documented behaviours of tf2, one by one, and the closed forms of interpolation. tests/tf2_reference.rs asks the
+//! The documented behaviours of tf2, one by one, and the closed forms of interpolation. tests/tf2_reference.rs runs the
 //! real one.
 
 #![allow(clippy::float_cmp)] // sums of small whole numbers and halves are exact

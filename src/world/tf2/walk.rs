@@ -1,4 +1,4 @@
-//! Look-ups: from both frames up to where their ways meet, as `walkToTopParent` and `getLatestCommonTime` do it.
+//! Look-ups: from both frames up to their common ancestor, as in `walkToTopParent` and `getLatestCommonTime`.
 
 use nalgebra::Isometry3;
 
@@ -12,7 +12,7 @@ use super::{Buffer, Extrapolation, Factor, Found, FrameIndex, MAX_DEPTH};
 type Step = (FrameIndex, Edge);
 
 impl Buffer {
-    /// `target_from_source` at a stamp; zero asks for the latest stamp that all moving edges on the way have.
+    /// `target_from_source` at a stamp; zero requests the latest stamp that all moving edges on the way have.
     ///
     /// # Errors
     ///
@@ -43,7 +43,7 @@ impl Buffer {
         Ok(found)
     }
 
-    /// Tags of the samples that a look-up rests on, the older one of each pair: [`Buffer::lookup`] without its product.
+    /// Tags of the samples that a look-up uses, the older one of each pair: [`Buffer::lookup`] without its product.
     ///
     /// # Errors
     ///
@@ -68,7 +68,7 @@ impl Buffer {
     /// The stamp of the answer, and the steps from the target and from the source up to where they meet.
     fn way(&self, target: &str, source: &str, stamp_ns: i64) -> Result<(i64, Vec<Step>, Vec<Step>), LookupError> {
         if target == source {
-            // Not even the name is looked at.
+            // Not even the name is checked.
             let known = self.numbers.get(&FrameId::new(target));
             let latest = known.and_then(|frame| self.history(*frame)?.latest());
             let stamp_ns = match latest {
@@ -120,7 +120,7 @@ impl Buffer {
         let mut extrapolation = None;
         while let Some(history) = self.history(frame) {
             match history.at(stamp_ns) {
-                // There may still be a way: the target may lie on this side of the gap.
+                // There may still be a way: the target may be on this side of the gap.
                 Err(what) => {
                     extrapolation = Some((frame, what));
                     break;
@@ -156,7 +156,7 @@ impl Buffer {
                 None => self.not_connected(target, source),
             });
         }
-        // What lies above the lowest common ancestor cancels.
+        // Everything above the lowest common ancestor cancels.
         while let (Some((a, _)), Some((b, _))) = (from_target.last(), from_source.last()) {
             if a != b {
                 break;

@@ -18,7 +18,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [NedFrd],
         ["ned-frd"],
-        ["all of it is expressed in NED/FRD"],
+        ["all of its data are expressed in NED/FRD"],
         ["AXES01", "AXES03", "AXES05"]
     ),
     imu!(
@@ -34,7 +34,7 @@ pub static ERRORS: &[Error] = &[
         Orientation,
         [NedWorld],
         ["ned-world"],
-        ["the world of the orientation is north, east, down"],
+        ["the world of the orientation is NED"],
         ["AXES03", "AXES04"]
     ),
     imu!(
@@ -42,7 +42,7 @@ pub static ERRORS: &[Error] = &[
         Orientation,
         [Conjugate],
         ["inverse"],
-        ["the orientation is the inverse one"],
+        ["the orientation is inverted"],
         ["QUAT01", "AXES04"]
     ),
     imu!(
@@ -50,7 +50,7 @@ pub static ERRORS: &[Error] = &[
         Orientation,
         [Wxyz],
         ["wxyz"],
-        ["stand as w, x, y, z"],
+        ["in the order w, x, y, z"],
         ["QUAT01"]
     ),
     imu!(
@@ -58,7 +58,7 @@ pub static ERRORS: &[Error] = &[
         Orientation,
         [Conjugate, Wxyz],
         ["wxyz-inverse"],
-        ["stand as w, x, y, z, of the inverse"],
+        ["in the order w, x, y, z, and inverted"],
         ["QUAT01"]
     ),
     imu!(
@@ -90,7 +90,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [Yaw90],
         ["turned-mount"],
-        ["mounted turned about z", "a sensor turned to the left"],
+        ["mounted with a yaw", "a sensor rotated to the left"],
         ["AXES06"]
     ),
     imu!(
@@ -98,7 +98,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [Backward],
         ["turned-mount"],
-        ["mounted turned about z", "a sensor mounted backwards"],
+        ["mounted with a yaw", "a sensor mounted backwards"],
         ["AXES06"]
     ),
     imu!(
@@ -122,8 +122,8 @@ pub static ERRORS: &[Error] = &[
         [EulerXyz],
         ["rx-ry-rz", "xyz"],
         [
-            "follows its gyro about one axis",
-            "put together as Rx Ry Rz",
+            "does not follow its gyro about",
+            "composed as Rx Ry Rz",
             "Rx(roll) Ry(pitch) Rz(yaw)"
         ],
         ["QUAT03"]
@@ -133,7 +133,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [LeftHanded],
         ["mirrored"],
-        ["all of it is expressed in left-handed axes"],
+        ["all of its data are expressed in left-handed axes"],
         ["AXES05", "AXES04"]
     ),
     imu!(
@@ -156,7 +156,7 @@ pub static ERRORS: &[Error] = &[
         Gyro,
         [GyroNegated],
         ["gyro-negated"],
-        ["the gyro's rates have the other sign"],
+        ["the angular velocity has the opposite sign"],
         ["QUAT01", "AXES05"]
     ),
     imu!(
@@ -172,7 +172,7 @@ pub static ERRORS: &[Error] = &[
         Gravity,
         [G],
         [],
-        ["in units of gravity (g)"],
+        ["the unit is g"],
         ["AXES02 acceleration"]
     ),
     imu!(
@@ -180,7 +180,7 @@ pub static ERRORS: &[Error] = &[
         Gravity,
         [CmS2],
         [],
-        ["as in cm/s2"],
+        ["the unit is cm/s2"],
         ["AXES02 acceleration"]
     ),
     imu!(
@@ -188,14 +188,14 @@ pub static ERRORS: &[Error] = &[
         Gravity,
         [GravitySign],
         ["gravity-sign"],
-        ["the accelerometer has the other sign"],
+        ["the accelerometer has the opposite sign"],
         ["AXES01", "AXES03"]
     ),
     error!(
         "gravity removed",
         Change::Imu(Needs::Gravity, gravity_removed),
         [],
-        ["where gravity was taken off", "gravity in no unit that is known"],
+        ["gravity is removed", "no known unit fits"],
         ["AXES02 acceleration"]
     ),
     error!(
@@ -203,7 +203,7 @@ pub static ERRORS: &[Error] = &[
         Change::Imu(Needs::Orientation, |row| row.orientation =
             slots(rotation(row.orientation) * frd_from_flu())),
         ["frd-body"],
-        ["the body of the orientation alone is"],
+        ["only the body of the orientation is FRD"],
         ["QUAT01", "AXES03"]
     ),
     error!(
@@ -215,7 +215,7 @@ pub static ERRORS: &[Error] = &[
         [
             "stands on the",
             "a sensor mounted backwards",
-            "follows its gyro about one axis"
+            "does not follow its gyro about"
         ],
         ["AXES04"]
     ),

@@ -19,7 +19,7 @@ macro_rules! lidar {
 }
 
 /// What TIME07 says of a cloud that sweeps the other way round.
-const SWEEPS: &str = "the cloud is mirrored, or its z points down";
+const SWEEPS: &str = "The cloud is mirrored, its z axis points down";
 
 macro_rules! other_frame {
     ($name:literal, $more:expr) => {
@@ -109,7 +109,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["inverse", "z-sign"],
-        ["told the wrong way round"],
+        ["it is inverted: its inverse"],
         ["CROSS04"]
     ),
     lidar!(
@@ -173,7 +173,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         [],
-        ["the times of the points run backwards"],
+        ["the times of its points run backwards"],
         ["TIME07"]
     ),
     lidar!(
@@ -183,7 +183,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["float32"],
-        ["calculates in float32 loses digits"],
+        ["code in float32 loses digits"],
         ["PREC01"]
     ),
 ];

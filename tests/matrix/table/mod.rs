@@ -22,7 +22,7 @@ mod staged;
 use crate::errors::Error;
 
 /// What a finding on a sensor says of the track that it is held against.
-const MIRRORED: &str = "the track that it is held against is a mirror image";
+const MIRRORED: &str = "the track it is compared with is mirrored";
 
 /// Every error: of inertial sensors, of poses, of fixes, and of what is staged beside them.
 pub fn all() -> impl Iterator<Item = &'static Error> {

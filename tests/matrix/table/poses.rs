@@ -58,7 +58,7 @@ pub static ERRORS: &[Error] = &[
         Child,
         [CompassYaw],
         ["compass-yaw", "clockwise-yaw", "inverse"],
-        ["grows clockwise"],
+        ["grows clockwise", "increase clockwise", "increases clockwise"],
         ["SENSOR08", "AXES08 turning", "AXES13"]
     ),
     poses!(
@@ -66,7 +66,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [NedFrd],
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", "has z down", MIRRORED],
+        ["north, east, down", "has z down", "may have z down", MIRRORED],
         ["AXES07", "AXES14"]
     ),
     poses!(
@@ -74,7 +74,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [NedWorld],
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", "has z down", MIRRORED],
+        ["north, east, down", "has z down", "may have z down", MIRRORED],
         ["AXES07", "AXES14"]
     ),
     poses!(
@@ -107,7 +107,7 @@ pub static ERRORS: &[Error] = &[
         Change::Poses(Needs::Child, |row| row.pose.orientation =
             slots(frd_from_flu() * rotation(row.pose.orientation))),
         ["x180", "frd", "z-down", "flu-frd"],
-        ["stands on the", "stands on its head", "-z points up"],
+        ["stands on the", "is upside down in", "-z points up"],
         ["QUAT04", "AXES13", "AXES08 velocity"]
     ),
     error!(
@@ -115,7 +115,7 @@ pub static ERRORS: &[Error] = &[
         Change::Poses(Needs::Child, |row| row.pose.orientation =
             slots(rotation(row.pose.orientation) * turn(-std::f64::consts::FRAC_PI_2))),
         ["rfu"],
-        ["stands on the", "turned by 90 deg about z against the position"],
+        ["stands on the", "rotated by 90 deg about z relative to the position"],
         ["QUAT04", "AXES08 velocity", "AXES13"]
     ),
     poses!(
@@ -162,7 +162,7 @@ pub static ERRORS: &[Error] = &[
         "yaw rate deg/s",
         Change::Poses(Needs::Twist, |row| row.angular = row.angular.map(f64::to_degrees)),
         [],
-        ["is in degrees"],
+        ["yaw rate is in deg/s"],
         ["AXES08 turning"]
     ),
     error!(

@@ -40,14 +40,14 @@ pub static ERRORS: &[Error] = &[
             lon
         ])),
         ["origin-changed"],
-        ["two origins"],
+        ["put the origin"],
         ["GEO07"]
     ),
     error!(
         "datum lat/lon",
         Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [lon, lat])),
         ["origin-changed", "lat-lon-swapped"],
-        ["two origins"],
+        ["put the origin"],
         ["GEO07"]
     ),
     error!(
@@ -82,21 +82,21 @@ pub static ERRORS: &[Error] = &[
         "map>odom missing",
         Change::Staged(&CORRECTION, stages::remove_correction),
         [],
-        ["no transform ties it to"],
+        ["no transform connects it to"],
         ["TREE16"]
     ),
     error!(
         "map>odom held",
         Change::Staged(&CORRECTION, stages::hold_correction),
         [],
-        ["which nothing corrects"],
+        ["but the odometry drifts by"],
         ["TREE16"]
     ),
     error!(
         "map expressed in odom",
         Change::Staged(&CORRECTION, stages::map_in_odom),
         [],
-        ["is called a map, and is expressed in"],
+        ["is named a map, but expressed in"],
         ["TREE16"]
     ),
 ];

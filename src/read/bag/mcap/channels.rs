@@ -1,6 +1,6 @@
-//! The channels of an MCAP as they are defined while reading, and what their messages are handed to.
+//! The channels of an MCAP as they are defined while reading, and the visitor that receives their messages.
 //!
-//! Owns schemas and channels by their ids in the file, with bounds on how much a hostile file can make us keep.
+//! Owns schemas and channels by their ids in the file, with bounds on the memory that a hostile file can use.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
@@ -20,8 +20,9 @@ const MAX_CHANNELS: usize = 1 << 16;
 /// Bound on the names and metadata of all channels together, bytes.
 const MAX_CHANNEL_BYTES: usize = 64 << 20;
 
-/// What is wrong with zeros: they are what a file system leaves of blocks that were never written, and the format reserves this kind.
-pub(super) const KIND_ZERO: &str = "a record of kind 0, which the format does not know";
+/// What is wrong with zeros: a file system leaves them in blocks that were never written, and the format reserves this opcode.
+pub(super) const KIND_ZERO: &str =
+    "a record has the invalid opcode 0: probably zeros in place of data that was never written";
 
 struct Schema {
     name: String,
@@ -36,13 +37,13 @@ pub(super) struct Channels<'v> {
     schema_bytes: usize,
     channel_bytes: usize,
     visit: &'v mut dyn Visit,
-    /// Schemas and channels that the summary repeats, kind and body, for those that stood in what is damaged.
+    /// Schemas and channels that the summary repeats, kind and body, in case their originals are in a damaged part.
     pub(super) repeated: Vec<(u8, Vec<u8>)>,
     /// Messages by channel id, as the file's statistics say.
     pub(super) totals: BTreeMap<u16, u64>,
-    /// Channels told so far.
+    /// Channels announced so far.
     pub(super) told: usize,
-    /// Messages handed on.
+    /// Messages passed on.
     pub(super) messages: u64,
     /// Messages whose channel the file does not define.
     pub(super) orphans: u64,
@@ -67,7 +68,7 @@ impl<'v> Channels<'v> {
         }
     }
 
-    /// Takes in one record; kinds that do not matter are passed over. The error says what is wrong with it.
+    /// Takes in one record; kinds that do not matter are skipped. The error says what is wrong with it.
     pub(super) fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
         match opcode {
             op::SCHEMA | op::CHANNEL | op::MESSAGE => {}
@@ -82,20 +83,19 @@ impl<'v> Channels<'v> {
             Ok(Record::Channel(channel)) => self.channel(channel),
             Ok(Record::Schema { header, data }) => self.schema(header, &data),
             Ok(_) => Ok(()),
-            Err(error) => Err(format!("a record that does not parse ({error})")),
+            Err(error) => Err(format!("a record cannot be parsed ({error})")),
         }
     }
 
-    /// Takes in the records of a chunk whose messages were logged between `log_times`, where that is known. The error says what is wrong behind
-    /// those that were taken: a record is taken when the one behind it has begun as it should, for bytes that were lost or changed are in the
-    /// record before the fault.
+    /// Takes in the records of a chunk whose messages were logged between `log_times`, if that is known. A record is used only when the next one
+    /// begins correctly: lost or changed bytes are in the record before the fault. The error says what is wrong after the last record used.
     pub(super) fn chunk(&mut self, bytes: &[u8], log_times: Option<(u64, u64)>) -> Result<(), String> {
         if let Some((first, last)) = log_times {
             let (inside, outside) = within(bytes, first..=last);
-            // Where most lie outside, it is the head of the chunk that is wrong.
+            // If most are outside, the header of the chunk is wrong.
             if outside > 0 && inside > outside {
                 return Err(format!(
-                    "{outside} of the {} messages of a chunk without a checksum were not logged when its head says",
+                    "{outside} of the {} messages of a chunk without a checksum have a log time outside of the range in its header",
                     inside + outside
                 ));
             }
@@ -114,7 +114,7 @@ impl<'v> Channels<'v> {
         Ok(())
     }
 
-    /// Messages were left out here.
+    /// Messages were skipped here.
     pub(super) fn seam(&mut self) {
         self.visit.seam();
     }
@@ -122,19 +122,19 @@ impl<'v> Channels<'v> {
     /// Records were lost here: messages, and perhaps definitions.
     pub(super) fn lose(&mut self) {
         for (kind, body) in std::mem::take(&mut self.repeated) {
-            // One that is no definition defines nothing.
+            // A repeated record that cannot be parsed defines nothing.
             let _ = self.record(kind, &body);
         }
         self.seam();
     }
 
-    /// Ids of the channels told so far that are wanted.
+    /// Ids of the channels announced so far that are wanted.
     pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
         let told = self.by_id.iter().filter(|(_, channel)| wanted(channel));
         told.map(|(id, _)| u32::from(*id)).collect()
     }
 
-    /// Hands on what stands beside messages.
+    /// Passes on what a file contains besides messages.
     pub(super) fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
         self.visit.annotation(name, fields);
     }
@@ -158,7 +158,7 @@ impl<'v> Channels<'v> {
         }
         self.schema_bytes += data.len() + header.name.len() + header.encoding.len();
         if self.schema_bytes > MAX_SCHEMA_BYTES {
-            return Err(format!("definitions of more than {MAX_SCHEMA_BYTES} bytes in all"));
+            return Err(format!("the definitions take more than {MAX_SCHEMA_BYTES} bytes"));
         }
         self.schemas.insert(
             header.id,
@@ -172,7 +172,7 @@ impl<'v> Channels<'v> {
     }
 
     fn channel(&mut self, record: ::mcap::records::Channel) -> Result<(), String> {
-        // Id 0 says that there is no schema; a missing one leaves the type unknown too.
+        // Id 0 says that there is no schema; with a missing one the type is unknown too.
         let schema = self.schemas.get(&record.schema_id).filter(|_| record.schema_id != 0);
         let mut channel = Channel {
             number: self.told,

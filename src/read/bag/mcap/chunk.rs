@@ -1,4 +1,4 @@
-//! Chunks of an MCAP: their heads, and the way of their records to the visitor.
+//! Chunks of an MCAP: their headers, and the passing of their records to the visitor.
 //!
 //! Owns the bounds on what a chunk may claim. Must not know in what order chunks are read.
 
@@ -14,18 +14,18 @@ use super::channels::Channels;
 use super::fields::Fields;
 use super::{MAX_CHUNK, MAX_WHOLE_CHUNK, Pass, Stop};
 
-/// The head of a chunk record, held against what is there.
+/// The header of a chunk record, checked against the bytes available.
 pub(super) struct ChunkHead {
-    /// The bytes of the head as they stand, behind the frame.
+    /// The bytes of the header as stored, after the frame.
     bytes: Vec<u8>,
     /// Bytes when decompressed.
     pub(super) size: u64,
     /// Compressed bytes.
     pub(super) packed: u64,
     checksum: u32,
-    /// First and last log time of its messages, nanoseconds; `None` where they are not filled in.
+    /// First and last log time of its messages, nanoseconds; `None` if they are not filled in.
     log_times: Option<(u64, u64)>,
-    /// `None` for one that is not known here.
+    /// `None` for one that is not supported.
     pub(super) compression: Option<Compression>,
 }
 
@@ -37,7 +37,7 @@ impl Pass<'_, '_> {
         let is_whole = len <= available && head.size.max(head.packed) <= MAX_WHOLE_CHUNK;
         if is_whole && head.compression.is_some() {
             self.pack(&head, start, false)?;
-            // Bytes behind the compressed ones belong to the chunk as well.
+            // Bytes after the compressed ones belong to the chunk as well.
             return self.skip(len - head.bytes.len() as u64 - head.packed);
         }
         let at = self.at;
@@ -46,14 +46,14 @@ impl Pass<'_, '_> {
         self.stream(&head, len, available)
     }
 
-    /// Reads the head of a chunk of `len` bytes, of which `available` are there.
+    /// Reads the header of a chunk of `len` bytes, of which `available` exist.
     pub(super) fn chunk_head(&mut self, len: u64, available: u64) -> Result<ChunkHead, Stop> {
         let complete = len <= available;
         // start, end, uncompressed size (8 bytes each), CRC, length of the name of the compression (4 bytes each)
         let mut head = [0; 32];
         if len.min(available) < 40 {
             return Err(self.stop(if complete {
-                format!("a chunk of {len} bytes is too short to be one")
+                format!("a chunk of {len} bytes is shorter than its header")
             } else {
                 cut(len)
             }));
@@ -71,11 +71,13 @@ impl Pass<'_, '_> {
             )));
         }
         if name_len > 64 {
-            return Err(self.stop(format!("a chunk names its compression with {name_len} bytes")));
+            return Err(self.stop(format!(
+                "the compression name of a chunk has {name_len} bytes; 64 are allowed"
+            )));
         }
         if len.min(available) < 40 + name_len {
             return Err(self.stop(if complete {
-                "a chunk's header does not fit into it".to_owned()
+                "a chunk is shorter than its header".to_owned()
             } else {
                 cut(len)
             }));
@@ -84,7 +86,7 @@ impl Pass<'_, '_> {
         self.read_exact(&mut tail)?;
         let packed = tail.last_chunk().map_or(0, |size| u64::from_le_bytes(*size));
         if packed > len - 40 - name_len {
-            return Err(self.stop(format!("a chunk of {len} bytes claims to hold {packed}")));
+            return Err(self.stop(format!("a chunk of {len} bytes claims to hold {packed} bytes")));
         }
         let compression = match tail.split_last_chunk::<8>() {
             Some((b"", _)) => Some(Compression::None),
@@ -102,7 +104,7 @@ impl Pass<'_, '_> {
         })
     }
 
-    /// Reads the bytes of a chunk whose head was just read, and gives them to the inflater.
+    /// Reads the bytes of a chunk whose header was just read, and passes them to the inflater.
     pub(super) fn pack(&mut self, head: &ChunkHead, start: u64, seam: bool) -> Result<(), Stop> {
         let mut data = self.inflater.buffer();
         data.resize(usize::try_from(head.packed).unwrap_or(0), 0);
@@ -126,7 +128,7 @@ impl Pass<'_, '_> {
         self.inflater.finish(&mut look(channels, faults))
     }
 
-    /// Reads a chunk, whose head was just read, through the mcap crate, piece by piece.
+    /// Reads a chunk, whose header was just read, through the mcap crate, piece by piece.
     fn stream(&mut self, head: &ChunkHead, len: u64, available: u64) -> Result<(), Stop> {
         let complete = len <= available;
         let mut start = vec![op::CHUNK];
@@ -149,7 +151,7 @@ impl Pass<'_, '_> {
                 self.at += fed;
                 Ok(())
             }
-            // What stood before the cut was used.
+            // Everything before the cut was used.
             Ok(()) | Err(Fault::Ended) if !complete => {
                 self.used = self.total;
                 Err(self.stop(cut(len)))
@@ -164,7 +166,7 @@ fn cut(len: u64) -> String {
     format!("the file ends inside a chunk of {len} bytes: the recording was cut off or not closed")
 }
 
-/// Hands on the records of chunks; damaged ones are kept in `faults`.
+/// Passes on the records of chunks; damaged chunks are noted in `faults`.
 fn look<'a, 'v>(
     channels: &'a mut Channels<'v>,
     faults: &'a mut Vec<Stop>,
@@ -194,7 +196,7 @@ enum Fault {
     Wrong(String),
 }
 
-/// Feeds one chunk record to the mcap crate and hands on the records inside.
+/// Feeds one chunk record to the mcap crate and passes on the records inside.
 fn feed(mut reader: LinearReader, input: &mut dyn Read, channels: &mut Channels<'_>) -> Result<(), Fault> {
     loop {
         // The crate is built to fail with errors; a panic inside it must cost this file only.
@@ -204,7 +206,7 @@ fn feed(mut reader: LinearReader, input: &mut dyn Read, channels: &mut Channels<
             reader.next_event()
         });
         let event =
-            catch_unwind(next).map_err(|_| Fault::Wrong("the mcap library broke down on this chunk".to_owned()))?;
+            catch_unwind(next).map_err(|_| Fault::Wrong("the mcap library crashed on this chunk".to_owned()))?;
         match event {
             None => return Ok(()),
             Some(Ok(LinearReadEvent::Record { data, opcode })) => {

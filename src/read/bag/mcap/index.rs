@@ -1,6 +1,6 @@
-//! The summary of an MCAP: what the file says of itself at its end.
+//! The summary of an MCAP: what the file states about itself at its end.
 //!
-//! Owns reading it without believing it: every offset and size is held against the file before it is used.
+//! Owns reading it without trusting it: every offset and size is checked against the file before it is used.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -36,7 +36,7 @@ pub(super) struct Index {
     channels: BTreeSet<u32>,
     /// The chunks, in the order of the file.
     pub(super) chunks: Vec<ChunkAt>,
-    /// The same chunks as the choice wants them.
+    /// The same chunks in the form that the choice of chunks needs.
     pub(super) infos: Vec<ChunkInfo>,
     /// Messages in the file.
     pub(super) messages: Option<u64>,
@@ -52,7 +52,7 @@ pub(super) struct Index {
     start: u64,
 }
 
-/// Reads the summary. `Ok(None)` where the file has none; the error says why it is of no use.
+/// Reads the summary. `Ok(None)` where the file has none; the error says why it cannot be used.
 pub(super) fn read(mut file: &File, total: u64) -> Result<Option<Index>, String> {
     let tail = FRAME_LEN + FOOTER_LEN + MAGIC_LEN;
     if total < MAGIC_LEN + tail {
@@ -121,7 +121,7 @@ impl Index {
         let held: BTreeSet<u32> = self.infos.iter().flat_map(|info| &info.channels).copied().collect();
         let counted = self.totals.iter().filter(|(_, count)| **count > 0);
         let counted: BTreeSet<u32> = counted.map(|(id, _)| u32::from(*id)).collect();
-        // A writer without message indexes leaves the channels of its chunks unsaid.
+        // A writer without message indexes does not list the channels of its chunks.
         !counted.is_empty() && counted.is_subset(&held) && held.is_subset(&self.channels)
     }
 
@@ -145,7 +145,7 @@ impl Index {
             op::CHUNK_INDEX => self.chunk(body)?,
             op::STATISTICS => {
                 let Ok(Record::Statistics(statistics)) = ::mcap::parse_record(kind, body) else {
-                    return Err("the statistics do not parse".to_owned());
+                    return Err("the statistics cannot be parsed".to_owned());
                 };
                 self.messages = Some(statistics.message_count);
                 self.totals = statistics.channel_message_counts;
@@ -183,9 +183,7 @@ impl Index {
         let (_, bytes) = (fields.u64()?, fields.u64()?);
         let inside = at >= MAGIC_LEN && at.checked_add(len).is_some_and(|end| end <= self.start);
         if !inside || bytes > MAX_CHUNK || start > end {
-            return Err(format!(
-                "the index describes a chunk at byte {at} that the file cannot hold"
-            ));
+            return Err(format!("the index entry of the chunk at byte {at} is not valid"));
         }
         if self.chunks.len() >= MAX_CHUNKS {
             return Err(format!("the index lists more than {MAX_CHUNKS} chunks"));

@@ -1,8 +1,7 @@
 //! MCAP files: chunk after chunk over ordinary file reads, all of them or those that the index recommends.
 //!
-//! Owns the frame of records, so that every position is known, attachments and indexes are stepped over and nothing a
-//! file claims is believed before it is held against the file's length; the inside of a chunk is left to the mcap
-//! crate. Must not know what is inside messages.
+//! Owns the frame of records: every position is known, attachments and indexes are skipped, and nothing a file claims is
+//! trusted before it is checked against the file's length. The mcap crate parses the inside of chunks. Must not know what is inside messages.
 //!
 //! Format: <https://mcap.dev/spec>. A file is: magic, records, a data-end record, the summary, a footer, magic; a record
 //! is a kind (1 byte), a length (8 bytes, little-endian) and as many bytes.
@@ -36,7 +35,7 @@ const MAX_WHOLE_CHUNK: u64 = 64 << 20;
 /// Bytes between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
 
-/// Chunks of the index that are looked for behind a fault.
+/// Chunks of the index that are tried after a fault.
 const MOST_TRIED: usize = 64;
 
 const MAGIC_LEN: u64 = 8;
@@ -47,7 +46,7 @@ struct Stop {
     /// Everything before this byte was used.
     at: u64,
     why: String,
-    /// Whether messages may be missing: the fault stands in front of the end of the data section.
+    /// Whether messages may be missing: the fault is before the end of the data section.
     loses_messages: bool,
 }
 
@@ -60,13 +59,13 @@ struct Pass<'a, 'v> {
     used: u64,
     channels: Channels<'v>,
     inflater: Inflater,
-    /// Damaged chunks, behind which reading went on.
+    /// Damaged chunks, after which reading continued.
     faults: Vec<Stop>,
     progress: Progress<'a>,
     told: u64,
     /// Buffer for records outside chunks.
     record: Vec<u8>,
-    /// Kind and place of the record in the buffer, where it is still to be used.
+    /// Kind and place of the record in the buffer, while it has not been used.
     held: Option<(u8, u64)>,
     data_ended: bool,
     /// Messages in the file as its statistics say.
@@ -128,7 +127,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
     (pass.progress)(pass.used, total);
     extent.truncated = pass.report(stopped, index.messages, source);
     if let Some(why) = useless.filter(|_| source.problems.is_empty()) {
-        let message = format!("the index at its end is of no use, every record was read instead: {why}");
+        let message = format!("the index at the end of the file cannot be used, every record was read instead: {why}");
         source.problem(ReadStatus::Read, Place::whole(source.id), message);
     }
     extent.messages_total = extent.messages_total.or(pass.promised);
@@ -141,7 +140,7 @@ pub(super) fn span(file: &File, total: u64) -> Option<(i64, i64)> {
 }
 
 impl Pass<'_, '_> {
-    /// The chunks that are read, where that is less than all of them. `None` as well where the index is not true.
+    /// The chunks that are read, where that is less than all of them. `None` as well where the index is wrong.
     fn choose(&mut self, index: &Index, sampling: &super::Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
         let all: u64 = index.infos.iter().map(|info| info.bytes).sum();
         if all <= sampling.bytes {
@@ -167,7 +166,7 @@ impl Pass<'_, '_> {
         definitions.all(|(kind, body)| self.channels.record(*kind, body).is_ok())
     }
 
-    /// Whether there is a chunk of the right size wherever the index has one of these; asked before the first message is used.
+    /// Whether there is a chunk of the right size at each place of the index; checked before the first message is used.
     fn are_there(&mut self, index: &Index, numbers: &[usize]) -> bool {
         numbers.iter().all(|number| {
             let (Some(chunk), Some(info)) = (index.chunks.get(*number), index.infos.get(*number)) else {
@@ -179,13 +178,13 @@ impl Pass<'_, '_> {
         })
     }
 
-    /// Goes to a chunk and reads its head.
+    /// Goes to a chunk and reads its header.
     fn chunk_at(&mut self, chunk: ChunkAt) -> Result<ChunkHead, Stop> {
         self.seek(chunk.at)?;
         self.used = chunk.at;
         let (opcode, len) = self.frame()?;
         if opcode != op::CHUNK || len + FRAME_LEN != chunk.len {
-            return Err(self.stop("the index points at something that is no such chunk"));
+            return Err(self.stop("there is no such chunk where the index says"));
         }
         self.chunk_head(len, len)
     }
@@ -194,7 +193,7 @@ impl Pass<'_, '_> {
     fn sampled(&mut self, index: &Index, chosen: &[usize], source: &mut Source) -> bool {
         source.examined.bytes = index.bytes + self.chosen(index, chosen, false);
         source.examined.messages = Some(self.channels.messages);
-        if let Some(message) = self.damage(" looked into") {
+        if let Some(message) = self.damage(" of the sample") {
             let status = self.status_of_damage();
             source.problem(status, Place::whole(source.id), message);
         }
@@ -238,8 +237,8 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Reads record after record up to the footer and the magic behind it. Where the records cannot be followed any more, reading goes on
-    /// with the next chunk that the index has.
+    /// Reads record after record up to the footer and the magic after it. Where the records cannot be followed any more, reading continues
+    /// with the next chunk of the index.
     fn run(&mut self, index: &Index) -> Result<(), Stop> {
         self.skip(MAGIC_LEN)?;
         loop {
@@ -254,14 +253,14 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Leaves out what is damaged, up to a byte behind it.
+    /// Skips a damaged part, up to a byte after it.
     fn go_on(&mut self, stop: Stop, at: u64) -> Result<(), Stop> {
         self.flush()?;
         self.note(Err(stop));
         self.seek(at)
     }
 
-    /// The first chunk of the index behind a byte that is there.
+    /// The first chunk of the index after a byte that really exists.
     fn next_chunk(&mut self, index: &Index, behind: u64) -> Option<u64> {
         let from = index.chunks.partition_point(|chunk| chunk.at <= behind);
         let chunks = index.chunks.get(from..)?.iter().take(MOST_TRIED);
@@ -330,7 +329,7 @@ impl Pass<'_, '_> {
                     self.skip(len)?;
                     self.data_ended = true;
                 }
-                // Behind the data the summary repeats schemas and channels.
+                // After the data the summary repeats schemas and channels.
                 op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.data_ended => {
                     self.load(opcode, len)?;
                     self.held = Some((opcode, at));
@@ -341,8 +340,8 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Uses the record that was loaded last, if it is one to be used. That is done when the next one has begun as it should: bytes that were
-    /// lost or changed are in the record before the fault.
+    /// Uses the record that was loaded last, if there is one. This happens only when the next one begins correctly: lost or changed bytes
+    /// are in the record before the fault.
     fn take_held(&mut self) -> Result<(), Stop> {
         let Some((opcode, start)) = self.held.take() else {
             return Ok(());
@@ -358,7 +357,7 @@ impl Pass<'_, '_> {
         })
     }
 
-    /// What follows the footer: the magic, and nothing.
+    /// What follows the footer: the magic, and nothing else.
     fn end(&mut self) -> Result<(), Stop> {
         let mut magic = [0; 8];
         if self.total - self.at < MAGIC_LEN {
@@ -366,7 +365,7 @@ impl Pass<'_, '_> {
         }
         self.read_exact(&mut magic)?;
         if magic != ::mcap::MAGIC {
-            return Err(self.stop("the closing magic is missing behind the footer"));
+            return Err(self.stop("the closing magic is missing after the footer"));
         }
         self.used = self.at;
         let rest = self.total - self.at;
@@ -374,7 +373,7 @@ impl Pass<'_, '_> {
             return Err(self.stop(format!("{rest} bytes follow the end of the recording")));
         }
         if !self.data_ended {
-            return Err(self.stop("the record that ends the data is missing"));
+            return Err(self.stop("the data end record is missing"));
         }
         Ok(())
     }
@@ -382,7 +381,7 @@ impl Pass<'_, '_> {
     /// The kind and the length of the next record.
     fn frame(&mut self) -> Result<(u8, u64), Stop> {
         if self.total - self.at < FRAME_LEN {
-            return Err(self.stop("the file ends inside the head of a record"));
+            return Err(self.stop("the file ends inside the header of a record"));
         }
         let mut frame = [0; 9];
         self.read_exact(&mut frame)?;
@@ -413,7 +412,7 @@ impl Pass<'_, '_> {
         Ok(())
     }
 
-    /// Steps over bytes that are known to be there.
+    /// Skips bytes that are known to exist.
     fn skip(&mut self, len: u64) -> Result<(), Stop> {
         let offset = i64::try_from(len).unwrap_or(i64::MAX);
         self.file
@@ -440,7 +439,7 @@ impl Pass<'_, '_> {
     }
 }
 
-/// What a kind of record is called.
+/// The name of a kind of record.
 fn kind(opcode: u8) -> String {
     let name = match opcode {
         op::HEADER => "header",

@@ -1,4 +1,4 @@
-//! What an MCAP holds beside messages: metadata records, and the names of attachments.
+//! What an MCAP contains besides messages: metadata records, and the names of attachments.
 
 use std::collections::BTreeMap;
 
@@ -7,16 +7,16 @@ use ::mcap::records::{Record, op};
 use super::fields::Fields;
 use super::{FRAME_LEN, Pass, Stop};
 
-/// Longer metadata records are passed over, bytes.
+/// Longer metadata records are skipped, bytes.
 const MAX_METADATA: u64 = 1 << 20;
-/// What is read of an attachment at most, bytes: its times, name and media type stand first.
+/// What is read of an attachment at most, bytes: its times, name and media type come first.
 const ATTACHMENT_HEAD: u64 = 4096;
 /// Bound on the records that the summary may point at.
 const MAX_NOTES: usize = 10_000;
-/// The name that attachments are told under.
+/// The name under which attachments are passed on.
 const ATTACHMENTS: &str = "attachments";
 
-/// What the summary says of them.
+/// What the summary says about them.
 #[derive(Default)]
 pub(super) struct Noted {
     /// Where metadata records start, and their length with the frame.
@@ -25,7 +25,7 @@ pub(super) struct Noted {
 }
 
 impl Noted {
-    /// Takes in a record of the summary; one that does not parse costs nothing but itself.
+    /// Takes in a record of the summary; one that cannot be parsed affects no other.
     pub(super) fn record(&mut self, kind: u8, body: &[u8]) {
         if self.metadata.len() + self.attachments.len() >= MAX_NOTES {
             return;
@@ -41,7 +41,7 @@ impl Noted {
 }
 
 impl Pass<'_, '_> {
-    /// Tells what the summary points at. Records that are not where it says are passed over.
+    /// Passes on the records that the summary points at. Records that are not where it says are skipped.
     pub(super) fn noted(&mut self, notes: &Noted) {
         for (at, length) in &notes.metadata {
             let found = self.seek(*at).and_then(|()| self.frame());
@@ -49,7 +49,7 @@ impl Pass<'_, '_> {
                 && len.saturating_add(FRAME_LEN) == *length
                 && len <= self.total - self.at
             {
-                // What cannot be read here shows again where it matters.
+                // A read error here is reported again where it matters.
                 let _ = self.note_here(op::METADATA, len);
             }
         }
@@ -58,7 +58,7 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Reads and tells the record of `len` bytes that starts here, and goes behind it.
+    /// Reads the record of `len` bytes that starts here, passes it on and goes to its end.
     pub(super) fn note_here(&mut self, kind: u8, len: u64) -> Result<(), Stop> {
         if kind == op::METADATA && len <= MAX_METADATA {
             self.load(kind, len)?;

@@ -1,14 +1,15 @@
-//! What is said of an MCAP of which not everything could be read.
+//! The report on an MCAP that could not be read in full.
 
 use crate::source::{Place, ReadStatus, Source};
 
 use super::{Pass, Stop};
 
 /// What to do about a damaged file.
-const HELP: &str = "`mcap recover` writes what is readable into a closed file; record again if what is missing matters";
+const HELP: &str =
+    "run `mcap recover` to write what is readable into a closed file; record again if the missing messages matter";
 
 impl Pass<'_, '_> {
-    /// Where no message was met there is nothing to judge.
+    /// Where no message was read there is nothing to judge.
     pub(super) fn status_of_damage(&self) -> ReadStatus {
         if self.channels.messages == 0 {
             ReadStatus::Unreadable
@@ -17,12 +18,12 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// What is said of damaged chunks.
+    /// The message about damaged chunks.
     pub(super) fn damage(&self, which: &str) -> Option<String> {
         let Stop { at, why, .. } = self.faults.first()?;
         let of = match self.faults.len() {
-            1 => format!("1 of the chunks{which} is damaged, at byte {at}"),
-            count => format!("{count} of the chunks{which} are damaged, the first at byte {at}"),
+            1 => format!("1 chunk{which} is damaged, at byte {at}"),
+            count => format!("{count} chunks{which} are damaged, the first at byte {at}"),
         };
         Some(format!("{of}: {why}"))
     }
@@ -68,7 +69,10 @@ impl Pass<'_, '_> {
             missing = true;
         }
         if self.channels.redefined > 0 {
-            let message = format!("{} channel ids are defined twice, differently", self.channels.redefined);
+            let message = format!(
+                "{} channel ids are defined twice with different contents",
+                self.channels.redefined
+            );
             source.problem(ReadStatus::Read, whole, message);
         }
         if read == 0 && source.detail.is_none() {

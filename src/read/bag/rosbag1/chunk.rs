@@ -10,11 +10,11 @@ use super::record::Fields;
 
 /// Bound on the uncompressed size a chunk may claim, bytes; recorders cut chunks at some hundred kilobytes.
 const MAX_CHUNK: u64 = 1 << 30;
-/// Chunks up to this size, bytes, are decompressed and held against their checksums before the first message is used.
+/// Chunks up to this size, bytes, are decompressed and checked against their checksums before the first message is used.
 /// Larger ones, and a chunk that the file's end cuts, are streamed.
 const MAX_HELD: u64 = 64 << 20;
 
-/// What a chunk's record says of it.
+/// What a chunk's record says about it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chunk {
     pub(super) compression: Compression,
@@ -33,7 +33,7 @@ impl Chunk {
             b"lz4" => Compression::Lz4,
             other => {
                 let name = String::from_utf8_lossy(other.get(..other.len().min(40)).unwrap_or_default());
-                return Err(format!("a chunk is compressed with `{name}`, which is not read"));
+                return Err(format!("a chunk is compressed with `{name}`, which is not supported"));
             }
         };
         let size = u64::from(fields.u32("size")?);
@@ -52,15 +52,15 @@ impl Chunk {
         self.largest() <= MAX_HELD
     }
 
-    /// Whether this is the head that a recorder writes when it begins a chunk, and completes when it closes it.
+    /// Whether this is the header that a recorder writes when it begins a chunk, and completes when it closes it.
     pub(super) fn is_open(&self) -> bool {
         self.size == 0 && self.len == 0 && self.compression != Compression::None
     }
 
-    /// Bound on the decompressed bytes, one more than the size so that too many show.
+    /// Bound on the decompressed bytes: one more than the size, so that a chunk with too many is noticed.
     pub(super) fn limit(&self) -> u64 {
         match self.compression {
-            // Nothing grows by what it claims.
+            // No memory is allocated by its claim.
             Compression::None => MAX_CHUNK,
             // A chunk that was not closed does not know its size.
             _ if self.is_open() => MAX_CHUNK,
@@ -72,7 +72,7 @@ impl Chunk {
         self.len.max(self.size)
     }
 
-    /// Holds the decompressed bytes against the size that the chunk claims.
+    /// Compares the number of decompressed bytes with the size that the chunk claims.
     pub(super) fn held_against(&self, unpacked: u64) -> Result<(), String> {
         if unpacked == self.size {
             return Ok(());
@@ -83,7 +83,7 @@ impl Chunk {
             unpacked.to_string()
         };
         Err(format!(
-            "a chunk claims {} bytes of messages and holds {holds}",
+            "a chunk claims {} bytes of messages but holds {holds}",
             self.size
         ))
     }
@@ -98,7 +98,7 @@ impl Chunk {
     }
 }
 
-/// What is said of a chunk that does not decompress.
+/// The message about a chunk that cannot be decompressed.
 pub(super) fn damaged(error: impl std::fmt::Display) -> String {
     format!("a chunk is damaged: {error}")
 }

@@ -4,14 +4,14 @@ use crate::read::bag::Channel;
 
 use super::record::Fields;
 
-/// A connection by its number, not yet told.
+/// A connection by its number, not yet announced.
 pub(super) type Connection = (u32, Channel);
 
-/// Reads a connection record: the topic stands in the header, the rest in the data.
+/// Reads a connection record: the topic is in the header, the rest in the data.
 pub(super) fn connection(fields: &Fields<'_>, data: &[u8]) -> Result<Connection, String> {
     let number = fields.u32("conn")?;
     let topic = fields.text("topic").ok_or("a connection record without a topic")?;
-    let fields = Fields::plain(data).map_err(|why| format!("a connection of `{topic}` that does not parse: {why}"))?;
+    let fields = Fields::plain(data).map_err(|why| format!("a connection of `{topic}` cannot be parsed: {why}"))?;
     let schema = fields.get("message_definition").unwrap_or_default();
     let metadata = fields.text("md5sum").map(|sum| ("md5sum".to_owned(), sum));
     let channel = Channel {

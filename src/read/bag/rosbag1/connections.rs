@@ -1,6 +1,6 @@
-//! The connections of a ROS 1 bag as channels, and what their messages are handed to.
+//! The connections of a ROS 1 bag as channels, and the visitor that receives their messages.
 //!
-//! Owns connections by their numbers in the file, with bounds on how much a hostile file can make us keep.
+//! Owns connections by their numbers in the file, with bounds on the memory that a hostile file can use.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ const MAX_BYTES: usize = 128 << 20;
 
 struct Known {
     channel: Channel,
-    /// Messages met.
+    /// Messages found.
     read: u64,
 }
 
@@ -29,13 +29,13 @@ pub(super) struct Connections<'v> {
     told: usize,
     /// First and last log time of the chunk that is being read, as the index says.
     pub(super) span_ns: Option<(i64, i64)>,
-    /// Messages handed on.
+    /// Messages passed on.
     pub(super) messages: u64,
     /// Messages whose connection the file does not define.
     pub(super) orphans: u64,
     /// Connections defined again, differently.
     pub(super) redefined: u64,
-    /// Messages with a log time outside the one the index gives their chunk.
+    /// Messages with a log time outside of the range that the index gives for their chunk.
     pub(super) outside: u64,
 }
 
@@ -54,7 +54,7 @@ impl<'v> Connections<'v> {
         }
     }
 
-    /// Tells the connections of an index, with the number of their messages.
+    /// Announces the connections of an index, with the number of their messages.
     pub(super) fn announce(&mut self, index: &Index) -> Result<(), String> {
         for (number, channel) in &index.connections {
             let total = index.totals.get(number).copied().unwrap_or(0);
@@ -69,7 +69,7 @@ impl<'v> Connections<'v> {
         Ok(())
     }
 
-    /// Numbers of the connections told so far that are wanted.
+    /// Numbers of the connections announced so far that are wanted.
     pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
         let told = self.by_number.iter().filter(|(_, known)| wanted(&known.channel));
         told.map(|(number, _)| *number).collect()
@@ -103,7 +103,7 @@ impl<'v> Connections<'v> {
 
     fn connection(&mut self, number: u32, mut channel: Channel) -> Result<(), String> {
         if let Some(Known { channel: known, .. }) = self.by_number.get(&number) {
-            // Every connection stands once among the messages and once in the index.
+            // Every connection is written once among the messages and once in the index.
             channel.number = known.number;
             channel.total = known.total;
             if *known == channel {

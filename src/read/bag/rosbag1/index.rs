@@ -1,7 +1,7 @@
 //! The index of a ROS 1 bag: the bag header at its top, the connections and chunk infos at its end.
 //!
-//! Owns what the index claims, held against the file's length and against itself. Whether it is true of the chunks shows
-//! only when they are read.
+//! Owns what the index claims, checked against the file's length and for consistency. Whether it describes the chunks
+//! correctly is known only when they are read.
 
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ pub(super) enum Found {
     Index(Index),
     /// The recording was never closed: there is no index.
     Open,
-    /// Why an index that there should be is of no use, and where it should begin, where that is in the file.
+    /// Why an existing index cannot be used, and where it should begin, if that is in the file.
     Broken {
         why: String,
         at: Option<u64>,
@@ -54,7 +54,7 @@ pub(super) enum Found {
     Encrypted(String),
 }
 
-/// Reads the bag header and the index it points to. The tape stands anywhere afterwards.
+/// Reads the bag header and the index it points to. The position of the tape is undefined afterwards.
 pub(super) fn find(tape: &mut Tape) -> Found {
     let broken = |why, at| Found::Broken { why, at };
     let top = match top(tape) {
@@ -66,10 +66,7 @@ pub(super) fn find(tape: &mut Tape) -> Found {
     }
     match top.index_pos {
         0 => Found::Open,
-        at if at > tape.total => broken(
-            format!("it should begin at byte {at}, behind the end of the file"),
-            None,
-        ),
+        at if at > tape.total => broken(format!("it should begin at byte {at}, past the end of the file"), None),
         at if at < MAGIC_LEN => broken(format!("it should begin at byte {at}, inside the magic"), None),
         at => match load(tape, &top) {
             Ok(index) => Found::Index(index),
@@ -90,10 +87,7 @@ fn top(tape: &mut Tape) -> Result<Top, Fault> {
     let frame = tape.frame()?;
     let fields = frame.fields()?;
     if fields.op() != op::BAG_HEADER {
-        return Err(Fault::Wrong(format!(
-            "a {} record stands in its place",
-            kind(fields.op())
-        )));
+        return Err(Fault::Wrong(format!("a {} record is in its place", kind(fields.op()))));
     }
     let read = || {
         Ok(Top {
@@ -161,17 +155,17 @@ impl Index {
                     counts,
                 });
             }
-            other => return Err(format!("a {} record stands in it", kind(other))),
+            other => return Err(format!("it contains a {} record", kind(other))),
         }
         Ok(())
     }
 
-    /// Holds the index against the counts in the bag header and the file's length.
+    /// Compares the index with the counts in the bag header and the file's length.
     fn check(&mut self, top: &Top) -> Result<(), String> {
         let (connections, chunks) = (self.connections.len(), self.chunks.len());
         if connections as u64 != u64::from(top.conn_count) || chunks as u64 != u64::from(top.chunk_count) {
             return Err(format!(
-                "it holds {connections} connections and {chunks} chunks, and the bag header says {} and {}",
+                "it holds {connections} connections and {chunks} chunks, but the bag header says {} and {}",
                 top.conn_count, top.chunk_count
             ));
         }
@@ -179,7 +173,10 @@ impl Index {
         let mut last = MAGIC_LEN;
         for chunk in &self.chunks {
             if chunk.at <= last || chunk.at >= self.at {
-                return Err(format!("it places a chunk at byte {}", chunk.at));
+                return Err(format!(
+                    "it lists a chunk at byte {}, where there can be none",
+                    chunk.at
+                ));
             }
             last = chunk.at;
         }
@@ -192,7 +189,7 @@ impl Index {
         self.chunks.get(number)
     }
 
-    /// Where the first chunk behind a byte stands.
+    /// Where the first chunk after a byte is.
     pub(super) fn next_chunk(&self, behind: u64) -> Option<u64> {
         let number = self.chunks.partition_point(|chunk| chunk.at <= behind);
         self.chunks.get(number).map(|chunk| chunk.at)

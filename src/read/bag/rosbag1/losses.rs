@@ -1,16 +1,16 @@
-//! What of a bag could not be read, and where.
+//! Which parts of a bag could not be read, and where.
 //!
-//! Owns the list of lost stretches, bounded, and the words for them.
+//! Owns the bounded list of lost parts, and the messages about them.
 
-/// Bound on the losses that are told one by one.
+/// Bound on the losses that are reported one by one.
 const MAX_TOLD: usize = 20;
 
-/// A stretch of the file that was left out.
+/// A part of the file that was skipped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Loss {
     /// Everything before this byte was used.
     pub(super) from: u64,
-    /// Where reading went on; `None` where it did not.
+    /// Where reading continued; `None` where it did not.
     pub(super) to: Option<u64>,
     pub(super) why: String,
 }
@@ -18,13 +18,13 @@ pub(super) struct Loss {
 #[derive(Debug, Default)]
 pub(super) struct Losses {
     told: Vec<Loss>,
-    /// Losses beyond those that are told.
+    /// Losses beyond those that are reported.
     more: u64,
 }
 
 impl Losses {
     pub(super) fn add(&mut self, loss: Loss) {
-        // Where reading ended is expressed in any case.
+        // Where reading ended is always reported.
         if self.told.len() < MAX_TOLD || loss.to.is_none() {
             self.told.push(loss);
         } else {
@@ -36,7 +36,7 @@ impl Losses {
         self.told.is_empty()
     }
 
-    /// How many bytes of so many were read.
+    /// How many of `total` bytes were read.
     pub(super) fn read_of(&self, total: u64) -> u64 {
         let mut read = total;
         for Loss { from, to, .. } in &self.told {
@@ -53,13 +53,13 @@ impl Losses {
             match to {
                 None => lines.insert(0, format!("read up to byte {from} of {total}: {why}")),
                 Some(to) => lines.push(format!(
-                    "bytes {from} to {to} ({:.1} %) are left out: {why}",
+                    "bytes {from} to {to} (at {:.1} % of the file) were skipped: {why}",
                     percent(*from)
                 )),
             }
         }
         if self.more > 0 {
-            lines.push(format!("{} more stretches are left out", self.more));
+            lines.push(format!("{} more parts were skipped", self.more));
         }
         lines
     }

@@ -1,6 +1,6 @@
 //! ROS 1 bags, format V2.0, with chunks of every compression that ROS wrote.
 //!
-//! Owns one pass over a bag and what is said of it. Must not know what is inside messages.
+//! Owns one pass over a bag and the report on it. Must not know what is inside messages.
 //!
 //! Format: <http://wiki.ros.org/Bags/Format/2.0>. A file is: magic, bag header, then chunks each followed by the index of
 //! its messages, then (at a byte that the bag header names) the connections and one info for each chunk. A recording that
@@ -41,11 +41,11 @@ struct Pass<'a, 'v> {
     inflater: Inflater,
     /// Why there is no index.
     unindexed: Option<String>,
-    /// Where the data end, as the bag header says, whether there is an index or not.
+    /// Where the data end according to the bag header, with or without an index.
     data_end: Option<u64>,
-    /// Whether the records lead there without a loss.
+    /// Whether the records could be followed to that end without a loss.
     data_ended: bool,
-    /// Records of index data whose length is not what their count makes.
+    /// Records of index data whose length contradicts their count.
     odd_index_data: u64,
     /// Chunks without compression that claim another size than they have.
     lying_sizes: u64,
@@ -83,9 +83,9 @@ pub(super) fn read(file: File, total: u64, first: &[u8], task: Task<'_>) -> Exte
     };
     match index::find(&mut pass.tape) {
         Found::Index(index) => pass.take(index),
-        Found::Open => pass.unindexed = Some("the recording was not closed, and has no index".to_owned()),
+        Found::Open => pass.unindexed = Some("the recording was not closed and has no index".to_owned()),
         Found::Broken { why, at } => {
-            pass.unindexed = Some(format!("the index is of no use: {why}"));
+            pass.unindexed = Some(format!("the index cannot be used: {why}"));
             pass.data_end = at;
         }
         Found::Encrypted(with) => {
@@ -107,12 +107,12 @@ pub(super) fn read(file: File, total: u64, first: &[u8], task: Task<'_>) -> Exte
 }
 
 impl Pass<'_, '_> {
-    /// Uses an index: its connections are told before the first message.
+    /// Uses an index: its connections are announced before the first message.
     fn take(&mut self, index: Index) {
         self.data_end = Some(index.at);
         match self.sink.connections.announce(&index) {
             Ok(()) => self.sink.index = Some(Arc::new(index)),
-            Err(why) => self.unindexed = Some(format!("the index is of no use: {why}")),
+            Err(why) => self.unindexed = Some(format!("the index cannot be used: {why}")),
         }
     }
 }
@@ -125,9 +125,9 @@ fn refuse_version(first: &[u8], source: &mut Source) {
         .take_while(|letter| letter.is_ascii_alphanumeric() || *letter == '.')
         .take(12)
         .collect();
-    let message = format!("a ROS 1 bag of version {version}, and only V2.0 is read");
-    let help = "write it anew on a machine with ROS 1: `rosbag filter old.bag new.bag True`, or `rosbag fix` where its \
-                message types have changed since";
+    let message = format!("this ROS 1 bag has version {version}; only V2.0 is read");
+    let help = "convert it on a machine with ROS 1: `rosbag filter old.bag new.bag True`, or `rosbag fix` if its message \
+                types have changed since";
     source.problem_with_help(
         ReadStatus::Unreadable,
         Place::whole(source.id),

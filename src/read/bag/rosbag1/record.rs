@@ -22,7 +22,7 @@ pub(super) mod op {
     pub(crate) const CONNECTION: u8 = 7;
 }
 
-/// What a kind of record is called.
+/// The name of a kind of record.
 pub(super) fn kind(op: u8) -> String {
     let name = match op {
         op::MESSAGE => "message",
@@ -36,7 +36,7 @@ pub(super) fn kind(op: u8) -> String {
     name.to_owned()
 }
 
-/// What keeps a record from being read.
+/// Why a record cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Fault {
     /// The bytes end inside the record.
@@ -57,17 +57,17 @@ impl<'a> Fields<'a> {
     pub(super) fn of(header: &'a [u8]) -> Result<Self, String> {
         let mut fields = Self::plain(header)?;
         let [op] = fields.get("op").unwrap_or_default() else {
-            return Err("a record without a kind".to_owned());
+            return Err("a record has no kind".to_owned());
         };
         fields.op = *op;
         Ok(fields)
     }
 
-    /// Fields that stand for themselves, such as a connection's.
+    /// Fields that are not the header of a record, such as a connection's.
     pub(super) fn plain(bytes: &'a [u8]) -> Result<Self, String> {
         let mut rest = bytes;
         while !rest.is_empty() {
-            let (field, behind) = split_field(rest).ok_or("a header whose fields do not fit into it")?;
+            let (field, behind) = split_field(rest).ok_or("a record header is shorter than its fields")?;
             if !field.contains(&b'=') {
                 return Err("a field of a header has no name".to_owned());
             }
@@ -122,7 +122,10 @@ impl<'a> Fields<'a> {
     }
 
     fn lacks(&self, name: &str) -> String {
-        format!("a {} record without a sound field `{name}`", kind(self.op))
+        format!(
+            "the field `{name}` of a {} record is missing or not valid",
+            kind(self.op)
+        )
     }
 }
 
@@ -136,7 +139,7 @@ fn split_u32(bytes: &[u8]) -> Option<(u32, &[u8])> {
     Some((u32::from_le_bytes(*number), rest))
 }
 
-/// The next of the records that `bytes` hold, which is stepped over; `None` at the end.
+/// The next of the records in `bytes`, which is removed from them; `None` at the end.
 pub(super) fn next<'a>(bytes: &mut &'a [u8]) -> Result<Option<(Fields<'a>, &'a [u8])>, Fault> {
     if bytes.is_empty() {
         return Ok(None);
@@ -155,13 +158,13 @@ pub(super) fn next<'a>(bytes: &mut &'a [u8]) -> Result<Option<(Fields<'a>, &'a [
 /// The length of a header, which no sound record exceeds.
 pub(super) fn header_len(len: u32) -> Result<usize, Fault> {
     match usize::try_from(len) {
-        Ok(0) => Err(Fault::Wrong("a record without a header".to_owned())),
+        Ok(0) => Err(Fault::Wrong("a record has no header".to_owned())),
         Ok(bytes) if len <= MAX_HEADER => Ok(bytes),
         _ => Err(Fault::Wrong(format!("a record claims a header of {len} bytes"))),
     }
 }
 
-/// Records of a stream, one at a time: for chunks too large to hold, and those whose end is not there.
+/// Records of a stream, one at a time: for chunks too large for memory, and those whose end is missing.
 pub(super) struct Stream<R> {
     input: R,
     len: Vec<u8>,
@@ -179,7 +182,7 @@ impl<R: Read> Stream<R> {
         }
     }
 
-    /// The stream, standing behind the last record.
+    /// The stream, positioned after the last record.
     pub(super) fn into_inner(self) -> R {
         self.input
     }
@@ -212,7 +215,7 @@ impl<R: Read> Stream<R> {
     }
 }
 
-/// Reads as many bytes into a buffer, which grows by what is there and not by what is asked for.
+/// Reads a number of bytes into a buffer, which grows by what exists and not by what is requested.
 fn fill(input: &mut impl Read, buffer: &mut Vec<u8>, len: u64) -> Result<(), Fault> {
     fill_some(input, buffer, len)?;
     if (buffer.len() as u64) < len {

@@ -1,6 +1,6 @@
-//! What is said of a bag after it was read.
+//! The report on a bag after it was read.
 //!
-//! Owns the words and the status. Must not read.
+//! Owns the messages and the status. Must not read.
 
 use crate::read::bag::Extent;
 use crate::source::{Place, ReadStatus, Source};
@@ -9,10 +9,10 @@ use super::Pass;
 use super::index::{Index, words};
 use super::record::Fault;
 
-const HELP: &str = "`rosbag reindex` writes a new index over what is readable; record again if what is missing matters";
+const HELP: &str = "run `rosbag reindex` to index what is readable; record again if the missing messages matter";
 
 impl Pass<'_, '_> {
-    /// Writes down how far reading went; `failure` is a fault of the system that ended it.
+    /// Reports how far reading went; `failure` is a fault of the system that ended it.
     pub(super) fn report(&self, failure: Option<Fault>, source: &mut Source) -> Extent {
         let read = self.sink.connections.messages;
         let failed = failure.is_some();
@@ -23,7 +23,7 @@ impl Pass<'_, '_> {
             self.sink.losses.read_of(self.tape.total)
         };
         let whole = Place::whole(source.id);
-        // Where no message was met there is nothing to judge.
+        // Where no message was read there is nothing to judge.
         let worst = if read == 0 {
             ReadStatus::Unreadable
         } else {
@@ -39,7 +39,7 @@ impl Pass<'_, '_> {
             tell(worst, line, Some(HELP));
         }
         if let Some(why) = &self.unindexed {
-            tell(worst, format!("{why}: it was scanned from its top"), Some(HELP));
+            tell(worst, format!("{why}; the bag was scanned from its start"), Some(HELP));
         }
         let (missing, surplus) = self
             .sink
@@ -78,20 +78,23 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Says what does not hang together, though nothing needs to be missing; `chunks` of the index were looked for.
+    /// Reports inconsistencies that need not mean a loss; `chunks` of the index were looked for.
     pub(super) fn tell_oddities(&self, chunks: usize, source: &mut Source) {
         let whole = Place::whole(source.id);
         let unmet = chunks.saturating_sub(self.sink.met_chunks) as u64;
         let connections = &self.sink.connections;
         let found = [
-            (connections.redefined, "connections are defined twice, differently"),
+            (
+                connections.redefined,
+                "connections are defined twice with different contents",
+            ),
             (
                 connections.outside,
-                "messages bear another log time than the index gives their chunk",
+                "messages have a log time outside of the range that the index gives for their chunk",
             ),
             (self.sink.unlisted_chunks, "chunks are not in the index"),
-            (unmet, "chunks do not stand where the index says"),
-            (self.lying_sizes, "chunks have another size than they say"),
+            (unmet, "chunks are not where the index says"),
+            (self.lying_sizes, "chunks differ in size from what their header says"),
         ];
         for (count, what) in found.into_iter().filter(|(count, _)| *count > 0) {
             let message = format!("{count} {what}");
@@ -100,7 +103,7 @@ impl Pass<'_, '_> {
         if self.odd_index_data > 0 {
             let count = self.odd_index_data;
             let message =
-                format!("{count} index records have another length than they say, as recorders of 2010 wrote them");
+                format!("{count} index records differ in length from what they say, as recorders of 2010 wrote them");
             source.problem(ReadStatus::Read, whole, message);
         }
     }

@@ -1,6 +1,6 @@
 //! Some of the chunks of a bag, where not all of it is read.
 //!
-//! Owns what the choice needs of the index, and the reading of what was chosen. Must not choose.
+//! Owns the part of the index that the choice needs, and the reading of the chosen chunks. Must not choose.
 
 use crate::read::bag::chunks::{self, ChunkInfo, Marked};
 use crate::read::bag::inflate::Compression;
@@ -12,13 +12,13 @@ use super::chunk::Chunk;
 use super::index::Index;
 use super::record::{Fault, op};
 
-/// Chunks that are looked at to learn how far they shrink.
+/// Chunks that are read to estimate how far chunks are compressed.
 const PROBED: usize = 32;
 
 /// How many times longer bzip2 takes for a byte than others do: 40 MB a second.
 const SLOW: u64 = 16;
 
-/// What some chunks show of all.
+/// What a few chunks show about all of them.
 struct Probe {
     /// By what factor chunks grow when they are decompressed: the index does not say.
     growth: f64,
@@ -27,7 +27,7 @@ struct Probe {
 }
 
 impl Pass<'_, '_> {
-    /// The chunks that are read, where that is less than all of them. `None` as well where the index is not true.
+    /// The chunks that are read, where that is less than all of them. `None` as well where the index is wrong.
     pub(super) fn choose(&mut self, sampling: &Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
         let index = self.sink.index.clone()?;
         let Probe { growth, is_slow } = self.probed(&index)?;
@@ -43,7 +43,7 @@ impl Pass<'_, '_> {
         if chosen.len() == index.chunks.len() {
             return None;
         }
-        // Before the first message is used: is there a chunk that can be held wherever the index says?
+        // Before the first message is used: is there a chunk that fits into memory at each place of the index?
         let are_there = chosen
             .iter()
             .all(|number| self.chunk_at(&index, *number).is_ok_and(|(_, chunk)| chunk.is_held()));
@@ -65,9 +65,9 @@ impl Pass<'_, '_> {
         })
     }
 
-    /// Goes to a chunk of the index and reads its frame. It must end before what the index places behind it.
+    /// Goes to a chunk of the index and reads its frame. It must end before the next entry of the index.
     fn chunk_at(&mut self, index: &Index, number: usize) -> Result<(u64, Chunk), Fault> {
-        let wrong = || Fault::Wrong("the index points at something that is no such chunk".to_owned());
+        let wrong = || Fault::Wrong("there is no such chunk where the index says".to_owned());
         let at = index.chunks.get(number).ok_or_else(wrong)?.at;
         self.tape.seek_anew(at)?;
         let frame = self.tape.frame()?;
@@ -133,7 +133,7 @@ fn info(index: &Index, number: usize, growth: f64) -> Option<ChunkInfo> {
     let packed = end(index, number).saturating_sub(chunk.at);
     let mut channels: Vec<u32> = chunk.counts.iter().map(|(connection, _)| *connection).collect();
     channels.sort_unstable();
-    // The size of a file times a factor: what does not fit is as good as endless.
+    // The size of a file times a factor: an overflow counts as unlimited.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let bytes = (packed as f64 * growth) as u64;
     Some(ChunkInfo {

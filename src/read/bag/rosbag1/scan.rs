@@ -1,6 +1,6 @@
 //! One linear pass over the records of a bag, from the top to the index or the end.
 //!
-//! Owns the order of the records in the file, and how reading goes on behind a fault. Must not know what is told of it.
+//! Owns the order of the records in the file, and how reading continues after a fault. Must not know what is reported.
 
 use std::convert::Infallible;
 use std::io::{BufReader, Read as _};
@@ -16,7 +16,7 @@ use super::sink::inside;
 
 /// Bytes between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
-/// Length of the record at the top in nearly all bags: the header is padded to 4096 bytes, and two lengths stand before.
+/// Length of the record at the top in nearly all bags: the header is padded to 4096 bytes, and two lengths precede it.
 const TOP_LEN: u64 = 4104;
 
 /// A fault in a record of the file.
@@ -24,14 +24,14 @@ struct Damage {
     why: String,
     /// Everything before this byte was used.
     used: u64,
-    /// Where the record ends, as far as its frame can be believed.
+    /// Where the record ends, as far as its frame can be trusted.
     next: Option<u64>,
 }
 
 impl Pass<'_, '_> {
     /// Reads everything. The error is one of the system.
     pub(super) fn scan(&mut self) -> Result<(), Fault> {
-        // Behind the index nothing is new: it was read first.
+        // Nothing new follows the index: it was read first.
         let end = self.sink.index.as_ref().map_or(self.tape.total, |index| index.at);
         self.tape.seek_anew(MAGIC_LEN)?;
         loop {
@@ -56,7 +56,7 @@ impl Pass<'_, '_> {
         }
     }
 
-    /// Reads the record at `at`, and stands behind it.
+    /// Reads the record at `at`, and positions the tape after it.
     fn step(&mut self, at: u64, end: u64) -> Result<(), Damage> {
         let fault = |fault: Fault, next| Damage {
             why: words(fault),
@@ -83,7 +83,7 @@ impl Pass<'_, '_> {
             return Err(fault(Fault::Wrong(self.beyond(&kind(fields.op()), frame.len)), None));
         }
         match fields.op() {
-            // Outside chunks they stand where a recorder had no time to close its last chunk.
+            // They are outside of chunks where a recorder had no time to close its last chunk.
             op::MESSAGE | op::CONNECTION => {
                 if frame.len > MAX_MESSAGE {
                     let len = frame.len;
@@ -98,15 +98,12 @@ impl Pass<'_, '_> {
                 self.sink.connections.record(&fields, &self.record).map_err(wrong)
             }
             op::BAG_HEADER | op::CHUNK_INFO => self.tape.seek(next).map_err(|why| fault(why, None)),
-            other => Err(wrong(format!(
-                "a record of kind {}, which the format does not know",
-                kind(other)
-            ))),
+            other => Err(wrong(format!("a record has the unknown kind {}", kind(other)))),
         }
     }
 
-    /// Where the record behind index data stands, with the tape before the data and `claimed` behind them as their record
-    /// says. Recorders of 2010 wrote 12 bytes for each message and a length of 20.
+    /// Where the record after index data is; the tape is before the data, and `claimed` is their end according to their
+    /// record. Recorders of 2010 wrote 12 bytes for each message and a length of 20.
     fn behind_index_data(&mut self, count: u32, claimed: u64, end: u64) -> u64 {
         let counted = self.tape.at + 12 * u64::from(count);
         if counted == claimed {
@@ -117,7 +114,7 @@ impl Pass<'_, '_> {
         if is_sound { counted } else { claimed }
     }
 
-    /// Reads the chunk whose frame was just read, or gives it to the inflater.
+    /// Reads the chunk whose frame was just read, or passes it to the inflater.
     fn chunk(&mut self, at: u64, fields: &Fields<'_>, len: u64, end: u64) -> Result<(), Damage> {
         let body = self.tape.at;
         let next = body + len;
@@ -126,14 +123,14 @@ impl Pass<'_, '_> {
             used: at,
             next: Some(next),
         };
-        // A chunk that runs over the next one lies, if there is one.
+        // A chunk that runs over the next one has a wrong length, if there really is a next one.
         let behind = self.sink.index.as_ref().and_then(|index| index.next_chunk(at));
         let overrun = behind.filter(|behind| (body..next).contains(behind) && self.tape.is_chunk_at(*behind));
         let end = overrun.unwrap_or(end);
         let chunk = Chunk::of(fields, len).map_err(damage)?;
         let is_open = chunk.is_open() && next < end && !self.tape.is_record_at(next);
         if is_open || next > end {
-            // What stands before the cut is used.
+            // Everything before the cut is used.
             let result = self.stream(at, &chunk, end - body);
             let mut why = if is_open {
                 "the last chunk was not closed".to_owned()
@@ -154,13 +151,13 @@ impl Pass<'_, '_> {
         self.pack(at, &chunk, false).map_err(|fault| damage(words(fault)))
     }
 
-    /// Gives a chunk, whose frame was just read and which is there, to the inflater.
+    /// Passes a chunk, whose frame was just read and which is complete, to the inflater.
     pub(super) fn pack(&mut self, at: u64, chunk: &Chunk, seam: bool) -> Result<(), Fault> {
         let mut data = self.inflater.buffer();
         self.tape.load(&mut data, chunk.len)?;
         let mut size = chunk.size;
         if chunk.compression == Compression::None {
-            // Nothing is decompressed by this claim, so it does no harm.
+            // This claim is not used for decompression, so a wrong one does no harm.
             self.lying_sizes += u64::from(size != chunk.len);
             size = chunk.len;
         }
@@ -182,7 +179,7 @@ impl Pass<'_, '_> {
         Ok(())
     }
 
-    /// Uses every chunk that was given to the inflater.
+    /// Uses every chunk that was passed to the inflater.
     pub(super) fn flush(&mut self) {
         let sink = &mut self.sink;
         let Ok(()) = self.inflater.finish(&mut |chunk| {
@@ -191,7 +188,7 @@ impl Pass<'_, '_> {
         });
     }
 
-    /// Holds the size of a streamed chunk against what it claims.
+    /// Compares the size of a streamed chunk with what it claims.
     fn hold(&mut self, chunk: &Chunk, unpacked: u64) -> Result<(), String> {
         if chunk.compression != Compression::None {
             return chunk.held_against(unpacked);
@@ -200,8 +197,8 @@ impl Pass<'_, '_> {
         Ok(())
     }
 
-    /// Reads the records of a chunk that is not held in memory; `packed` is the length of what there is of it. Returns the
-    /// bytes they have decompressed. The tape stands anywhere afterwards.
+    /// Reads the records of a chunk that is not kept in memory; `packed` is the length of what exists of it. Returns the
+    /// number of decompressed bytes. The position of the tape is undefined afterwards.
     fn stream(&mut self, at: u64, chunk: &Chunk, packed: u64) -> Result<u64, Fault> {
         self.flush();
         self.sink.expect(at);
@@ -215,7 +212,7 @@ impl Pass<'_, '_> {
         Ok(limit - stream.into_inner().limit())
     }
 
-    /// Goes on behind a fault, if there is a place to go on at.
+    /// Continues after a fault, if there is a place to continue at.
     fn resume(&mut self, at: u64, end: u64, damage: Damage) -> Result<bool, Fault> {
         let mut is_sound = |next: &u64| *next == end || *next < end && self.tape.is_record_at(*next);
         let mut to = damage.next.filter(&mut is_sound);
@@ -253,10 +250,10 @@ impl Pass<'_, '_> {
         Ok(gap.all(|byte| byte.is_ok_and(|byte| byte == 0)))
     }
 
-    /// What is said of a record that is longer than the room it stands in.
+    /// The message about a record that is longer than the space for it.
     fn beyond(&self, what: &str, len: u64) -> String {
         if self.sink.index.is_some() {
-            return format!("a {what} of {len} bytes reaches over what the index places behind it");
+            return format!("a {what} of {len} bytes overlaps what the index lists after it");
         }
         format!("the file ends inside a {what} of {len} bytes: the recording was cut off or not closed")
     }

@@ -19,9 +19,9 @@ pub(super) struct Sink<'v> {
     pub(super) losses: Losses,
     /// The index, where it is sound.
     pub(super) index: Option<Arc<Index>>,
-    /// Chunks that stand where the index says.
+    /// Chunks that are where the index says.
     pub(super) met_chunks: usize,
-    /// Chunks that the index does not know.
+    /// Chunks that are not in the index.
     pub(super) unlisted_chunks: u64,
     /// Where the chunks end that are being decompressed.
     pub(super) ends: VecDeque<u64>,
@@ -39,7 +39,7 @@ impl<'v> Sink<'v> {
         }
     }
 
-    /// Looks up what the index says of the chunk at a byte, whose messages come next.
+    /// Looks up the index entry of the chunk at a byte, whose messages come next.
     pub(super) fn expect(&mut self, at: u64) {
         self.connections.span_ns = None;
         let Some(index) = &self.index else {
@@ -53,7 +53,7 @@ impl<'v> Sink<'v> {
         }
     }
 
-    /// Takes in a chunk. Of one that does not decompress nothing is used: no checksum stands for what comes out before.
+    /// Takes in a chunk. Nothing is used of one that cannot be decompressed: no checksum covers the part before the fault.
     pub(super) fn chunk(&mut self, chunk: &Unpacked) {
         let end = self.ends.pop_front();
         self.expect(chunk.at);
@@ -66,7 +66,7 @@ impl<'v> Sink<'v> {
         }
     }
 
-    /// A record is used when the one behind it has begun as it should: bytes that were lost or came in are in the record before the fault.
+    /// A record is used only when the next one begins correctly: bytes that were lost or inserted are in the record before the fault.
     fn records(&mut self, mut bytes: &[u8]) -> Result<(), String> {
         let mut held = None;
         while let Some((fields, data)) = record::next(&mut bytes).map_err(inside)? {
@@ -77,7 +77,7 @@ impl<'v> Sink<'v> {
         held.map_or(Ok(()), |(fields, data)| self.connections.record(&fields, data))
     }
 
-    /// A stretch of the file is left out.
+    /// A part of the file is skipped.
     pub(super) fn lose(&mut self, from: u64, to: Option<u64>, why: String) {
         self.losses.add(Loss { from, to, why });
         self.connections.visit.seam();

@@ -1,17 +1,17 @@
-//! The file of a bag, as a tape that knows where it stands.
+//! The file of a bag, as a tape that knows its position.
 //!
-//! Owns positions, and the frames of the records that stand in the file itself. Nothing a record claims is believed
-//! before it is held against the file's length.
+//! Owns positions, and the frames of the records in the file itself. Nothing a record claims is trusted
+//! before it is checked against the file's length.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use super::record::{self, Fault, Fields, op};
 
-/// A record's header and the length its data claim, with the tape standing before the data.
+/// A record's header and the claimed length of its data, with the tape positioned before the data.
 pub(super) struct Frame {
     header: Vec<u8>,
-    /// What the record says of the length of its data; nothing is known of whether they are there.
+    /// The length of the data according to the record; whether they exist is not known.
     pub(super) len: u64,
 }
 
@@ -39,12 +39,12 @@ impl Tape {
         }
     }
 
-    /// Bytes that are left.
+    /// Remaining bytes.
     pub(super) fn rest(&self) -> u64 {
         self.total.saturating_sub(self.at)
     }
 
-    /// Stands at another position.
+    /// Moves to another position.
     pub(super) fn seek(&mut self, to: u64) -> Result<(), Fault> {
         let wrong = |error: std::io::Error| Fault::Wrong(error.to_string());
         // Small steps stay inside the buffer.
@@ -85,7 +85,7 @@ impl Tape {
         Ok(u32::from_le_bytes(number))
     }
 
-    /// The frame of the next record. On a fault the position is of no use.
+    /// The frame of the next record. On a fault the position is undefined.
     pub(super) fn frame(&mut self) -> Result<Frame, Fault> {
         let len = self.u32()?;
         let mut header = Vec::new();
@@ -100,7 +100,7 @@ impl Tape {
         (&mut self.file).take(len)
     }
 
-    /// Stands at a position whatever the position was: after a fault, and after [`Tape::bytes`].
+    /// Moves to a position from an undefined one: after a fault, and after [`Tape::bytes`].
     pub(super) fn seek_anew(&mut self, to: u64) -> Result<(), Fault> {
         let result = self.file.seek(SeekFrom::Start(to));
         result.map_err(|error| Fault::Wrong(error.to_string()))?;
@@ -108,8 +108,8 @@ impl Tape {
         Ok(())
     }
 
-    /// Whether a record of a known kind seems to begin at a position, and stays inside the file. The tape stands where
-    /// it stood.
+    /// Whether a record of a known kind seems to begin at a position, and stays inside the file. The position of the
+    /// tape does not change.
     pub(super) fn is_record_at(&mut self, at: u64) -> bool {
         self.peek(at)
             .is_some_and(|(kind, _)| (op::MESSAGE..=op::CONNECTION).contains(&kind))
@@ -120,7 +120,7 @@ impl Tape {
         self.peek(at).is_some_and(|(kind, _)| kind == op::CHUNK)
     }
 
-    /// The kind and the end of the record at a position, if one is there. The tape stands where it stood.
+    /// The kind and the end of the record at a position, if there is one. The position of the tape does not change.
     fn peek(&mut self, at: u64) -> Option<(u8, u64)> {
         let back = self.at;
         let found = self.seek(at).and_then(|()| {

@@ -1,6 +1,6 @@
 //! rosbag2 databases (`.db3`), through SQLite.
 //!
-//! Owns the order of messages (time, then row), what is read of a large database, and the words on a damaged one. Must
+//! Owns the order of messages (time, then row), what is read of a large database, and the messages about a damaged one. Must
 //! not know what is inside messages.
 
 mod open;
@@ -21,7 +21,7 @@ use super::{Extent, Task};
 
 use pass::{LastPage, Pass};
 
-/// Reads a database that starts with SQLite's magic; see [`super::read`]. `metadata` is what `metadata.yaml` says of the
+/// Reads a database that starts with SQLite's magic; see [`super::read`]. `metadata` is what `metadata.yaml` says about the
 /// recording that the file belongs to.
 pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: Task<'_>) -> Extent {
     let Task {
@@ -48,7 +48,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     let sampling = wanted
         .sampling
         .filter(|sampling| total > sampling.bytes && pass.tables.indexed);
-    // Of a file that is read in windows not every page is looked at.
+    // Not every page of a file is read if it is read in windows.
     let damage = if sampling.is_none() {
         inconsistency(&connection)
     } else {
@@ -69,7 +69,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     };
     let truncated = report(&pass, path, extent.whole, source) | damage.is_some();
     if let Some(damage) = damage.filter(|_| pass.stopped.is_none()) {
-        let message = format!("SQLite finds the file damaged, messages may hold bytes of others: {damage}");
+        let message = format!("SQLite reports damage, messages may contain bytes of other messages: {damage}");
         source.problem_with_help(
             ReadStatus::Partial,
             Place::whole(source.id),
@@ -85,7 +85,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     }
 }
 
-/// First and last log time of a database, nanoseconds, where its index says.
+/// First and last log time of a database, nanoseconds, if its index states it.
 pub(super) fn span(path: &Path, total: u64) -> Option<(i64, i64)> {
     let mut nobody = Source::new(crate::source::SourceId(0), "", crate::source::SourceKind::Sqlite);
     let connection = open::open(path, total, &mut nobody).ok()?;
@@ -93,7 +93,7 @@ pub(super) fn span(path: &Path, total: u64) -> Option<(i64, i64)> {
     tables.indexed.then(|| sample::span(&connection))?
 }
 
-/// What SQLite's own look at the pages says, where it is not content: pages of a long message that were overwritten are read as they are.
+/// What SQLite's own check of the pages reports, if anything: overwritten pages of a long message are otherwise read without an error.
 fn inconsistency(connection: &Connection) -> Option<String> {
     let said = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get::<_, String>(0));
     match said {
@@ -103,17 +103,16 @@ fn inconsistency(connection: &Connection) -> Option<String> {
     }
 }
 
-/// Bytes of a page: of the largest that there can be, where it is not known.
+/// Bytes of a page; of the largest possible one where the size is not known.
 fn page_size(connection: &Connection) -> usize {
     let size = connection.query_row("PRAGMA page_size", [], |row| row.get::<_, u32>(0));
     size.unwrap_or(1 << 16) as usize
 }
 
 /// What to do with a damaged database.
-const RESCUE: &str =
-    "`sqlite3 damaged.db3 .recover | sqlite3 repaired.db3` rescues what can be found; record again if the rest matters";
+const RESCUE: &str = "run `sqlite3 damaged.db3 .recover | sqlite3 repaired.db3` to save what is readable; record again if the rest matters";
 
-/// Writes down how far reading went; returns whether messages may be missing.
+/// Reports how far reading went; returns whether messages may be missing.
 fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) -> bool {
     let place = Place::whole(source.id);
     source.examined.messages = Some(pass.messages);
@@ -136,7 +135,7 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
             None => format!("{what}: {after} messages were read, then: {why}"),
             Some(((first, last), count)) => {
                 let more = if count > 1 {
-                    format!(" and {} more stretches", count - 1)
+                    format!(" and {} more ranges", count - 1)
                 } else {
                     String::new()
                 };
@@ -159,16 +158,16 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
             pass.orphans,
             "messages belong to topics that the database does not define",
         ),
-        (pass.too_large, "messages are larger than 128 MB and were left out"),
+        (pass.too_large, "messages are larger than 128 MB and were skipped"),
         (
             pass.cut_off,
-            "messages go on behind the end of the file and were left out",
+            "messages continue past the end of the file and were skipped",
         ),
         (
             pass.doubted,
-            "messages before rows that cannot be read were left out: their ends may be damaged",
+            "messages just before unreadable rows were skipped: their ends may be damaged",
         ),
-        (pass.unfit, "messages have no time or no bytes and were left out"),
+        (pass.unfit, "messages have no time or no data and were skipped"),
     ] {
         if count > 0 {
             missing = true;
@@ -178,7 +177,7 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
     missing
 }
 
-/// What is left of the page inside of which a file ends before its header's last page.
+/// The remaining bytes of the page in which the file ends too early.
 fn cut_page(path: &Path, total: u64) -> Option<LastPage> {
     let (size, pages) = claimed(path)?;
     let here = total % size;
@@ -192,7 +191,7 @@ fn cut_page(path: &Path, total: u64) -> Option<LastPage> {
     Some(LastPage::new(bytes, usize::try_from(size).ok()?))
 }
 
-/// Says that the file is shorter than its header claims, where it is: cut off, or with bytes lost inside.
+/// The message about a file that is shorter than its header claims: cut off, or with bytes lost inside.
 fn missing_end(path: &Path, total: u64) -> Option<String> {
     let (size, pages) = claimed(path)?;
     let claimed = size * pages;
@@ -215,7 +214,7 @@ fn claimed(path: &Path) -> Option<(u64, u64)> {
     (page >= 512 && page.is_power_of_two()).then_some((page, pages))
 }
 
-/// The one row of a query of ours that gives a number.
+/// The single row of one of our queries, a number.
 fn number(connection: &Connection, sql: &str) -> Option<i64> {
     connection.query_row(sql, [], |row| row.get::<_, i64>(0)).ok()
 }

@@ -1,6 +1,6 @@
 //! Opening a database for reading and for nothing else.
 //!
-//! Owns what keeps SQLite from writing beside the file, from trusting it and from working without end. Must not know
+//! Owns what keeps SQLite from writing next to the file, from trusting it and from working without end. Must not know
 //! tables.
 
 use std::ffi::OsString;
@@ -26,21 +26,21 @@ const STEPS: u64 = 64 << 20;
 const STEPS_A_BYTE: u64 = 8;
 
 /// Opens the database at `path` so that nothing is written and no lock is taken: folders that cannot be written to are
-/// fine, and so is a recorder that still runs. What stands in a write-ahead log beside it is read too.
+/// fine, and so is a recorder that still runs. The content of a write-ahead log next to it is read too.
 pub(super) fn open(path: &Path, total: u64, source: &mut Source) -> Result<Connection, String> {
     let log = beside(path, "-wal");
     let has_log = fs::metadata(&log).is_ok_and(|meta| meta.is_file() && meta.len() > LOG_HEADER);
     if fs::metadata(beside(path, "-journal")).is_ok_and(|meta| meta.is_file() && meta.len() > 0) {
-        let message = "a rollback journal stands beside it: the recorder was stopped in the middle of writing, and what \
-                       it wrote last may be wrong";
+        let message = "a rollback journal is next to it: the recorder was stopped while writing, and the last messages may \
+                       be wrong";
         source.problem(ReadStatus::Partial, Place::whole(source.id), message);
     }
     if has_log {
         match connect(path, "mode=ro&vfs=unix-none", total) {
             Ok(connection) if cfg!(unix) => return Ok(connection),
             _ => {
-                let message = "a write-ahead log stands beside it (`-wal`) that could not be used: the last messages \
-                               are missing";
+                let message =
+                    "the write-ahead log next to it (`-wal`) could not be used: the last messages are missing";
                 source.problem_with_help(
                     ReadStatus::Partial,
                     Place::whole(source.id),
@@ -69,7 +69,7 @@ fn prepare(mut connection: Connection, total: u64) -> rusqlite::Result<Connectio
     connection.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER, false)?;
     // Lets a file be read whose end is missing; otherwise SQLite refuses it as a whole.
     connection.set_db_config(DbConfig::SQLITE_DBCONFIG_WRITABLE_SCHEMA, true)?;
-    // Room for the row's other columns.
+    // The rest is for the row's other columns.
     let largest = i32::try_from(MAX_MESSAGE + (1 << 16)).unwrap_or(i32::MAX);
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, largest)?;
     connection.set_limit(Limit::SQLITE_LIMIT_ATTACHED, 0)?;
@@ -79,7 +79,7 @@ fn prepare(mut connection: Connection, total: u64) -> rusqlite::Result<Connectio
         left == 0
     };
     connection.progress_handler(STEPS_A_LOOK, Some(tired))?;
-    // In exclusive mode the index of a write-ahead log is kept in memory instead of a file beside the database.
+    // In exclusive mode the index of a write-ahead log is kept in memory instead of a file next to the database.
     connection.execute_batch(
         "PRAGMA locking_mode = EXCLUSIVE; PRAGMA query_only = ON; PRAGMA mmap_size = 0; PRAGMA cell_size_check = ON;",
     )?;
@@ -100,7 +100,7 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
 fn uri(path: &Path, options: &str) -> Result<String, String> {
     let path = fs::canonicalize(path).map_err(|error| format!("cannot be opened: {error}"))?;
     let mut uri = "file:".to_owned();
-    // The drive of a Windows path stands behind an empty host.
+    // The drive of a Windows path follows an empty host.
     uri.push_str(if cfg!(windows) { "///" } else { "" });
     for byte in path.as_os_str().as_encoded_bytes() {
         match byte {

@@ -11,13 +11,13 @@ use super::super::MAX_MESSAGE;
 use super::super::{Message, Progress, Visit};
 use super::tables::Tables;
 
-/// Stretches of rows that cannot be read, over which reading goes on.
+/// Ranges of unreadable rows after which reading continues.
 const MAX_LOSSES: usize = 1000;
 
 /// Bytes of messages between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
 
-/// What every query for messages selects. Of a message that is too large not a byte is loaded.
+/// What every query for messages selects. No byte is loaded of a message that is too large.
 pub(super) fn select(rest: &str) -> String {
     format!(
         "SELECT rowid, topic_id, timestamp, octet_length(data), \
@@ -25,7 +25,7 @@ pub(super) fn select(rest: &str) -> String {
     )
 }
 
-/// Whether a query goes on after a row.
+/// Whether a query continues after a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Next {
     /// The next row is wanted.
@@ -52,21 +52,21 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) orphans: u64,
     pub(super) too_large: u64,
     pub(super) unfit: u64,
-    /// The last page, where the file ends inside of it: SQLite reads zeros behind that.
+    /// The last page, where the file ends inside of it: SQLite reads zeros after that.
     pub(super) last_page: Option<LastPage>,
-    /// Messages that go on behind the end of the file.
+    /// Messages that continue past the end of the file.
     pub(super) cut_off: u64,
-    /// Bytes of a page, where the file is damaged: a message is then used when so much behind it could be read, for the rows of a page are
+    /// Bytes of a page, where the file is damaged: a message is then used only when as many bytes after it could be read, for the rows of a page are
     /// damaged together.
     pub(super) damaged_page: Option<usize>,
-    /// Topic, log time and bytes of the messages that wait for that.
+    /// Topic, log time and bytes of the messages that are held back for that.
     held: VecDeque<(i64, i64, Vec<u8>)>,
     held_bytes: usize,
-    /// Messages before rows that cannot be read.
+    /// Messages just before unreadable rows.
     pub(super) doubted: u64,
     /// Why something could not be read.
     pub(super) stopped: Option<String>,
-    /// The first rows that could not be read though there are some behind them, and how many such stretches there are.
+    /// The first unreadable rows that have readable ones after them, and the number of such ranges.
     pub(super) lost: Option<((i64, i64), usize)>,
 }
 
@@ -125,7 +125,7 @@ impl<'c, 'v> Pass<'c, 'v> {
             let Err(why) = result else { return };
             self.stopped = Some(why);
         }
-        // The index may be what is damaged, and the messages behind it whole; so may those behind a damaged page.
+        // The damage may be in the index only, and the messages intact; so may those after a damaged page.
         for _ in 0..MAX_LOSSES {
             self.seam();
             let behind = self.largest_row.saturating_add(1);
@@ -139,7 +139,7 @@ impl<'c, 'v> Pass<'c, 'v> {
                 }
                 let next = pass.largest_row.saturating_add(1);
                 if at > next && at > from {
-                    // Pages were passed over without a word of SQLite.
+                    // SQLite skipped pages without an error.
                     pass.settle(false);
                     pass.seam();
                     pass.miss(next, at);
@@ -167,7 +167,7 @@ impl<'c, 'v> Pass<'c, 'v> {
     /// The first row from `from` on that can be read; `None` where there is none.
     fn readable_from(&self, from: i64) -> Option<i64> {
         let sql = select("WHERE rowid >= ?1 ORDER BY rowid LIMIT 1");
-        // The row that is found behind this one: an error where that cannot be read, `None` where there is none.
+        // The next row: an error where it cannot be read, `None` where there is none.
         let found = |row: i128| -> Result<Option<i64>, ()> {
             let row = i64::try_from(row).map_err(|_| ())?;
             let mut statement = self.connection.prepare(&sql).map_err(|_| ())?;
@@ -179,7 +179,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         if let Ok(row) = found(from) {
             return row;
         }
-        // Pages hold rows in a row: what can be read begins at some distance.
+        // Pages hold consecutive rows: the readable ones begin at some distance.
         let readable = |distance: &i128| found(from + distance).is_ok();
         let mut far = (0..64).map(|power| 1_i128 << power).find(readable)?;
         let mut near = far / 2;
@@ -194,7 +194,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         found(from + far).ok().flatten()
     }
 
-    /// Reads every message of a database without an index: sorts the row numbers, then fetches row by row. To sort the
+    /// Reads every message of a database without an index: sorts the row numbers, then fetches row by row. Sorting the
     /// messages themselves would write them all to a temporary file.
     fn sorted(&mut self) -> Result<(), String> {
         let words = |error: rusqlite::Error| error.to_string();
@@ -213,7 +213,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         Ok(())
     }
 
-    /// Runs a query and hands over its rows one by one.
+    /// Runs a query and passes on its rows one by one.
     pub(super) fn run(
         &mut self,
         sql: &str,
@@ -232,7 +232,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         Ok(())
     }
 
-    /// Delivers a row that must come after the last one. A damaged index may lead round in a circle.
+    /// Delivers a row that must come after the last one. A damaged index may contain a cycle.
     pub(super) fn in_order(&mut self, row: &Row<'_>) -> Result<Next, String> {
         let key = (time(row).unwrap_or(i64::MIN), row_number(row)?);
         if time(row).is_some() && self.last.is_some_and(|last| key <= last) {
@@ -291,7 +291,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         Ok(Next::Go)
     }
 
-    /// Uses the messages that are held, where what was to be read behind them was read.
+    /// Uses the held messages, if what follows them could be read.
     fn settle(&mut self, is_whole: bool) {
         if !is_whole {
             self.doubted += self.held.len() as u64;
@@ -324,7 +324,7 @@ impl<'c, 'v> Pass<'c, 'v> {
     }
 }
 
-/// What is left of the last page of a file that was cut off, up to its last byte that is not zero.
+/// The remaining bytes of the last page of a file that was cut off, up to its last byte that is not zero.
 #[derive(Debug)]
 pub(super) struct LastPage {
     bytes: Vec<u8>,

@@ -1,7 +1,7 @@
 //! Reading a large database in part: first messages, messages that matter throughout, and windows of time.
 //!
 //! Owns the choice of rows. The index of a database knows times and not topics, so what belongs to a topic is looked for
-//! row by row: that touches each row's head and none of its bytes, and is bounded.
+//! row by row: that reads each row's header and none of its data, and is bounded.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -13,11 +13,11 @@ use super::super::{Extent, Sampling, Wanted};
 use super::number;
 use super::pass::{Next, Pass, row_number, select, time};
 
-/// Rows that are looked at for the topics they belong to.
+/// Rows that are read for the topics they belong to.
 const MAX_LOOKED_AT: u64 = 2_000_000;
 /// Messages that are read from the start of each topic.
 const FIRST: u64 = 4;
-/// Bound on messages that are read for their topic's sake.
+/// Bound on messages that are read to cover their topic.
 const MAX_PICKS: usize = 20_000;
 
 /// First and last log time, nanoseconds, by the index.
@@ -28,7 +28,7 @@ pub(super) fn span(connection: &Connection) -> Option<(i64, i64)> {
     ))
 }
 
-/// Reads a database in part, in order of time. The channels are told with their totals as far as these are known.
+/// Reads a database in part, in order of time. The channels are announced with their totals as far as these are known.
 pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Wanted<'_>) -> Extent {
     let mut look = Look::default();
     if let Err(why) = look.run(pass, sampling.bytes, wanted) {
@@ -81,21 +81,21 @@ fn rows(connection: &Connection) -> Option<u64> {
     u64::try_from(last.checked_sub(first)?.checked_add(1)?).ok()
 }
 
-/// What is found by looking at rows from the first on.
+/// What is found by reading rows from the first on.
 #[derive(Default)]
 struct Look {
     /// Messages seen by topic.
     seen: BTreeMap<i64, u64>,
-    /// Time and row of the messages that are read for their topic's sake.
+    /// Time and row of the messages that are read to cover their topic.
     picks: Vec<(i64, i64)>,
-    /// Whether every row was looked at.
+    /// Whether every row was read.
     saw_all: bool,
 }
 
 impl Look {
     /// Looks until every topic has what it needs, or the bounds are met. `bytes` bounds what is picked.
     fn run(&mut self, pass: &mut Pass<'_, '_>, bytes: u64, wanted: &Wanted<'_>) -> Result<(), String> {
-        // What each topic still needs: `None` where it is wanted throughout and nobody says how much there is.
+        // What each topic still needs: `None` where it is wanted throughout and its total is not known.
         let mut needs: BTreeMap<i64, Option<u64>> = pass
             .tables
             .channels
@@ -136,7 +136,7 @@ impl Look {
                 Ok(ValueRef::Integer(size)) => u64::try_from(size).unwrap_or(0),
                 _ => 0,
             };
-            // The first message of a topic is read whatever it costs.
+            // The first message of a topic is read at any cost.
             let is_first = self.seen.get(&topic) == Some(&1);
             if is_first || (self.picks.len() < MAX_PICKS && picked + size <= bytes) {
                 self.picks.push((time, at));
@@ -188,7 +188,7 @@ fn single(pass: &mut Pass<'_, '_>, pick: (i64, i64), left_out: &mut bool) {
     if *left_out || !follows {
         pass.seam();
     }
-    // Whether more stands between this message and the next one is not known.
+    // Whether there are more messages between this one and the next is not known.
     *left_out = false;
     let sql = select("WHERE rowid = ?1");
     let result = pass.run(&sql, [pick.1], Pass::in_order);
@@ -201,7 +201,7 @@ fn window(pass: &mut Pass<'_, '_>, (start, end): (i64, i64), share: u64, left_ou
     let mut at_start = true;
     let sql = select("WHERE timestamp >= ?1 AND timestamp < ?2 ORDER BY timestamp, rowid");
     let result = pass.run(&sql, [start, end], |pass, row| {
-        // A damaged index leads elsewhere.
+        // A damaged index leads to other rows.
         if time(row).is_none_or(|time| time < start || time >= end) {
             return Err("its messages are out of order".to_owned());
         }
@@ -220,7 +220,7 @@ fn window(pass: &mut Pass<'_, '_>, (start, end): (i64, i64), share: u64, left_ou
     note(pass, result);
 }
 
-/// Keeps the first reason for which something could not be read; what stands elsewhere may still be whole.
+/// Keeps the first reason for which something could not be read; other places may still be intact.
 fn note(pass: &mut Pass<'_, '_>, result: Result<(), String>) {
     if let Err(why) = result {
         pass.stopped.get_or_insert(why);

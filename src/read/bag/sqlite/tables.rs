@@ -19,7 +19,7 @@ use super::super::metadata::Metadata;
 const MAX_ROWS: usize = 1 << 16;
 /// Bound on all their texts together, bytes.
 const MAX_BYTES: usize = 64 << 20;
-/// Tables that are named where the database is no recording.
+/// Tables that are named if the database is not a recording.
 const MAX_NAMED: usize = 5;
 
 /// What is known before the first message.
@@ -37,7 +37,7 @@ struct Definition {
     text: Arc<[u8]>,
 }
 
-/// Reads the schema, the topics and the definitions. The error says why this is no recording.
+/// Reads the schema, the topics and the definitions. The error says why this is not a recording.
 pub(super) fn read(connection: &Connection, metadata: Option<&Metadata>) -> Result<Tables, String> {
     let names = tables(connection)?;
     if !(names.contains("topics") && names.contains("messages")) {
@@ -54,14 +54,14 @@ pub(super) fn read(connection: &Connection, metadata: Option<&Metadata>) -> Resu
                 if more { ", ..." } else { "" }
             ),
         };
-        return Err(format!("an SQLite database, but no rosbag2 recording: {what}"));
+        return Err(format!("an SQLite database, but not a rosbag2 recording: {what}"));
     }
     let messages = columns(connection, "messages")?;
     let topics = columns(connection, "topics")?;
     let lacks = |table: &str, known: &BTreeSet<String>, wanted: &[&str]| {
         let missing = wanted.iter().find(|name| !known.contains(**name))?;
         Some(format!(
-            "an SQLite database, but no rosbag2 recording: `{table}` has no column `{missing}`"
+            "an SQLite database, but not a rosbag2 recording: `{table}` has no column `{missing}`"
         ))
     };
     let missing = lacks("messages", &messages, &["topic_id", "timestamp", "data"])
@@ -70,7 +70,9 @@ pub(super) fn read(connection: &Connection, metadata: Option<&Metadata>) -> Resu
         return Err(missing);
     }
     if ["rowid", "_rowid_", "oid"].iter().any(|name| messages.contains(*name)) {
-        return Err("an SQLite database, but no rosbag2 recording: its `messages` hide their row numbers".to_owned());
+        return Err(
+            "an SQLite database, but not a rosbag2 recording: a column of `messages` hides the row numbers".to_owned(),
+        );
     }
     let mut bytes = 0;
     let (definitions, fault) = if names.contains("message_definitions") {
@@ -156,7 +158,7 @@ fn channels(
     let mut found = BTreeMap::new();
     let fault = each(connection, &sql, &mut |row| {
         let Ok(ValueRef::Integer(id)) = row.get_ref(0) else {
-            return Err("a topic without a number".to_owned());
+            return Err("a topic has no number".to_owned());
         };
         let (topic, message_type, format) = (text(row, 1)?, text(row, 2)?, text(row, 3)?);
         let (mut qos, hash) = (text(row, 4)?, text(row, 5)?);
@@ -178,7 +180,7 @@ fn channels(
             number: 0,
             schema: definition.map_or_else(|| Arc::from([]), |definition| Arc::clone(&definition.text)),
             schema_encoding: definition.map_or_else(String::new, |definition| definition.encoding.clone()),
-            // Converters leave the format out; rosbag2 knows no other.
+            // Converters omit the format; rosbag2 uses no other.
             message_encoding: if format.is_empty() { "cdr".to_owned() } else { format },
             writer: None,
             latched: noted
@@ -203,7 +205,7 @@ fn channels(
 fn fits(bytes: &mut usize, more: usize) -> Result<(), String> {
     *bytes += more;
     if *bytes > MAX_BYTES {
-        return Err(format!("topics and definitions of more than {MAX_BYTES} bytes"));
+        return Err(format!("topics and definitions take more than {MAX_BYTES} bytes"));
     }
     Ok(())
 }
@@ -219,7 +221,7 @@ fn is_indexed(connection: &Connection) -> bool {
     fault.is_none() && !sorted
 }
 
-/// Runs a query of ours over a small table. Gives the reason for which it ended early.
+/// Runs one of our queries over a small table. Returns the reason if it ended early.
 fn each(connection: &Connection, sql: &str, take: &mut dyn FnMut(&Row<'_>) -> Result<(), String>) -> Option<String> {
     let mut run = || -> Result<(), String> {
         let words = |error: rusqlite::Error| error.to_string();
@@ -238,7 +240,7 @@ fn each(connection: &Connection, sql: &str, take: &mut dyn FnMut(&Row<'_>) -> Re
     run().err()
 }
 
-/// A column as text; what is none is empty.
+/// A column as text; empty for other types.
 fn text(row: &Row<'_>, column: usize) -> Result<String, String> {
     Ok(match row.get_ref(column).map_err(|error| error.to_string())? {
         ValueRef::Text(bytes) | ValueRef::Blob(bytes) => String::from_utf8_lossy(bytes).into_owned(),

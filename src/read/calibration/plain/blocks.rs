@@ -61,7 +61,7 @@ pub(super) fn info(text: &str) -> (Node, Option<Fault>) {
                     .and_then(|(_, entries)| entries.pop())
                     .map(|(key, _)| key)
                 else {
-                    return (closed(text, open), Some(fault(at, "a block without a name")));
+                    return (closed(text, open), Some(fault(at, "a block has no name")));
                 };
                 if open.len() > MAX_DEPTH {
                     return (closed(text, open), Some(fault(at, "blocks are nested too deep")));
@@ -70,7 +70,10 @@ pub(super) fn info(text: &str) -> (Node, Option<Fault>) {
             }
             "}" => {
                 let Some((name, entries)) = (open.len() > 1).then(|| open.pop()).flatten() else {
-                    return (closed(text, open), Some(fault(at, "a block ends that never began")));
+                    return (
+                        closed(text, open),
+                        Some(fault(at, "there is a `}` without a `{` before it")),
+                    );
                 };
                 let span = Span::new(name.span.start, at + 1);
                 if let Some((_, above)) = open.last_mut() {
@@ -104,7 +107,7 @@ fn closed(text: &str, mut open: Vec<(Node, Vec<(Node, Node)>)>) -> Node {
     mapping(text, open.pop().map(|(_, entries)| entries).unwrap_or_default())
 }
 
-/// The texts and numbers that Lua tables give to names; what is computed is not followed.
+/// The texts and numbers that Lua tables give to names; computed values are not followed.
 pub(super) fn lua(text: &str) -> (Node, Option<Fault>) {
     let mut entries = Vec::new();
     for (start, line) in text_lines(text) {

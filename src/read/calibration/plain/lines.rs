@@ -7,7 +7,7 @@ use crate::source::Span;
 
 /// Numbers of a line of poses: TUM's time, place and quaternion; KITTI's 3x4.
 const POSE_COLUMNS: [usize; 2] = [8, 12];
-/// Keys of KITTI: a file with them is its, also where numbers are missing.
+/// Keys of KITTI: a file with them is a KITTI calibration, even if numbers are missing.
 const KITTI: [&str; 8] = [
     "calib_time",
     "Tr_velo_to_cam",
@@ -47,7 +47,7 @@ pub(super) fn form(head: &str) -> Option<Form> {
             _ => None,
         };
     }
-    // Every line is a key with something behind it, and some have the numbers of a rotation or more.
+    // Every line is a key with something after it, and some have the numbers of a rotation or more.
     let keyed: Option<Vec<usize>> = whole
         .iter()
         .map(|line| key_of(line).map(|(_, rest)| count(rest)))
@@ -58,13 +58,13 @@ pub(super) fn form(head: &str) -> Option<Form> {
     (has_matrices || is_kittis).then_some(Form::Keyed)
 }
 
-/// How many numbers a text is; zero where something else stands among them.
+/// How many numbers a text has; zero if it contains anything else.
 fn count(text: &str) -> usize {
     let all: Option<Vec<f64>> = words(text, 0).map(|(word, _)| number(word)).collect();
     all.map_or(0, |all| all.len())
 }
 
-/// The key of a line, and what is behind it. KITTI's tracking files leave the colon out.
+/// The key of a line, and what follows it. KITTI's tracking files omit the colon.
 fn key_of(line: &str) -> Option<(&str, &str)> {
     let line = line.trim_start();
     let end = line.find(|letter: char| letter == ':' || letter.is_whitespace())?;
@@ -83,7 +83,7 @@ pub(super) fn keyed(text: &str) -> (Node, Option<Fault>) {
         let Some((key, rest)) = key_of(line) else {
             return (
                 mapping(text, pairs),
-                Some(fault(start, "neither a key nor numbers behind one")),
+                Some(fault(start, "this line does not begin with a key")),
             );
         };
         let at = start + (key.as_ptr() as usize - line.as_ptr() as usize);
@@ -107,7 +107,7 @@ pub(super) fn matrix(text: &str) -> (Node, Option<Fault>) {
     (Node::new(span, Kind::Sequence(rows)), None)
 }
 
-/// Poses over time: held line by line to the first, and no transform of the platform.
+/// Poses over time: each line must have the form of the first. They contain no mounting transform.
 pub(super) fn trajectory(text: &str) -> (Node, Option<Fault>) {
     let mut columns = None;
     for (start, line) in text_lines(text).filter(|(_, line)| is_said(line)) {
@@ -117,11 +117,11 @@ pub(super) fn trajectory(text: &str) -> (Node, Option<Fault>) {
         if let Some((word, span)) = bad {
             return (
                 mapping(text, Vec::new()),
-                Some(fault(span.start, &format!("`{word}` is no number"))),
+                Some(fault(span.start, &format!("`{word}` is not a number"))),
             );
         }
         if found != expected {
-            let message = format!("{found} numbers, where the lines before have {expected}");
+            let message = format!("{found} numbers, but the lines before have {expected}");
             return (mapping(text, Vec::new()), Some(fault(start, &message)));
         }
     }

@@ -6,7 +6,7 @@ use super::lines::{fault, mapping};
 use super::{Form, scalar, text_lines, value, words};
 use crate::source::Span;
 
-/// Sets of names of columns: a table is one of transforms where it has a place and a rotation, each of one set.
+/// Sets of column names: a table has transforms if it has a position and a rotation, each by one set.
 const PLACES: [[&str; 3]; 4] = [
     ["x", "y", "z"],
     ["tx", "ty", "tz"],
@@ -14,11 +14,11 @@ const PLACES: [[&str; 3]; 4] = [
     ["tx_m", "ty_m", "tz_m"],
 ];
 const ROTATIONS: [&[&str]; 2] = [&["qx", "qy", "qz", "qw"], &["roll", "pitch", "yaw"]];
-/// A column of these makes the rows moments of a drive.
+/// With one of these columns, the rows are poses at different times of a drive.
 const TIMES: [&str; 6] = ["time", "timestamp", "timestamp_ns", "stamp", "sec", "t"];
-/// How COLMAP says what its lines are.
+/// How COLMAP states the meaning of its lines.
 const COLMAP: &str = "IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME";
-/// How OpenVINS says what the columns of its states are.
+/// How OpenVINS states the columns of its states.
 const OPENVINS: &str = "# timestamp(s) q p v bg ba";
 /// Rows that are read.
 const MAX_ROWS: usize = 20_000;
@@ -39,7 +39,7 @@ pub(super) fn table_form(head: &str) -> Option<Form> {
     }
 }
 
-/// The form of a text with words of COLMAP or of M2DGR in its head.
+/// The form of a text with words of COLMAP or of M2DGR in its first lines.
 pub(super) fn titled_form(head: &str) -> Option<Form> {
     if head.contains(COLMAP) {
         return Some(Form::Colmap);
@@ -84,7 +84,7 @@ pub(super) fn table(text: &str) -> (Node, Option<Fault>) {
     for (start, line) in lines {
         let found = fields(line, start);
         if found.len() != names.len() {
-            let message = format!("{} fields under {} names", found.len(), names.len());
+            let message = format!("{} fields, but the line of names has {}", found.len(), names.len());
             wrong = Some(fault(start, &message));
             break;
         }
@@ -102,7 +102,7 @@ pub(super) fn table(text: &str) -> (Node, Option<Fault>) {
     (Node::new(Span::new(0, text.len()), Kind::Sequence(rows)), wrong)
 }
 
-/// `{images: [{name, camera_id, qw, ..., tz}]}`; the lines of points between are passed over.
+/// `{images: [{name, camera_id, qw, ..., tz}]}`; the lines of points in between are skipped.
 pub(super) fn colmap(text: &str) -> (Node, Option<Fault>) {
     const NAMES: [&str; 9] = ["image_id", "qw", "qx", "qy", "qz", "tx", "ty", "tz", "camera_id"];
     let said = text_lines(text).filter(|(_, line)| !line.trim_start().starts_with('#'));
@@ -121,12 +121,12 @@ pub(super) fn colmap(text: &str) -> (Node, Option<Fault>) {
         let (Some(numbers), Some((name, place))) = (all.get(..9), all.get(9)) else {
             wrong = Some(fault(
                 start,
-                "an image has an id, a rotation, a translation, a camera and a name",
+                "the line of an image must have an id, a rotation, a translation, a camera and a name",
             ));
             break;
         };
         if let Some((word, span)) = numbers.iter().find(|(word, _)| number(word).is_none()) {
-            wrong = Some(fault(span.start, &format!("`{word}` is no number")));
+            wrong = Some(fault(span.start, &format!("`{word}` is not a number")));
             break;
         }
         if images.len() >= MAX_ROWS {
@@ -167,7 +167,7 @@ pub(super) fn titled(text: &str) -> (Node, Option<Fault>) {
             let name = words.split(',').next().unwrap_or_default().trim();
             let at = start + (name.as_ptr() as usize - line.as_ptr() as usize);
             let plain = name.split_whitespace().collect::<Vec<_>>().join(" ");
-            // What stands between a title and its numbers is a comment.
+            // The text between a title and its numbers is a comment.
             label.get_or_insert(scalar(&plain, Span::new(at, at + name.len())));
         } else if let Some(at) = line.find("data:") {
             let behind = at + "data:".len();
@@ -184,7 +184,7 @@ pub(super) fn titled(text: &str) -> (Node, Option<Fault>) {
     (mapping(text, pairs.collect()), unclosed)
 }
 
-/// Files a list under its label where the line closes it; else it stays open.
+/// Stores a list under its label if the line closes it; otherwise it stays open.
 fn close<'a>(
     line: &str,
     at: usize,

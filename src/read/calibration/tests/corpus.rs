@@ -1,4 +1,4 @@
-//! Real published files, where a folder of them is at hand.
+//! Real published files, where a folder of them is available.
 
 use std::collections::BTreeMap;
 use std::path::Path;

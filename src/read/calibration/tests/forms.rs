@@ -335,7 +335,7 @@ fn a_list_of_poses_with_times_is_no_mounting() {
     assert!(facts.claims.is_empty());
     assert_eq!(
         source.detail.as_deref(),
-        Some("poses over time: no transform of the platform")
+        Some("poses over time (a trajectory), no mounting transforms")
     );
     // One time for all is when they were calibrated.
     let (_, facts) = yaml(&format!("[{}, {}]\n", pose(1_532_402_927), pose(1_532_402_927)));

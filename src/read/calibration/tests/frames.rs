@@ -130,7 +130,7 @@ fn one_name_for_several_things_names_none_of_them() {
     let (_, facts) = yaml(&format!("sensors:\n- {{T_XY: {FLAT}}}\n- {{T_XY: {FLAT}}}\n"));
     assert_eq!(facts.claims.iter().map(frames).collect::<Vec<_>>(), ["-", "-"]);
     assert!(facts.frames.is_empty());
-    // Numbered cameras tell them apart.
+    // Numbered cameras distinguish them.
     let (_, facts) = yaml(&format!("cam0: {{T_cam_imu: {FLAT}}}\ncam1: {{T_cam_imu: {FLAT}}}\n"));
     assert_eq!(
         facts.claims.iter().map(frames).collect::<Vec<_>>(),
@@ -183,7 +183,7 @@ fn mountings_stand_in_the_base_frame_that_the_file_states() {
     let guessed = one("extrinsics:\n  lidar:\n    xyz: [0.9, 0.1, 1.8]\n    rpy: [0, 0, 0.2]\n");
     assert_eq!((frames(&guessed).as_str(), guessed.reading), ("base<-lidar", Hint));
     assert!(matches!(guessed.kind, ClaimKind::File { roles: true, .. }));
-    // Of a matrix nothing tells the direction.
+    // The direction of a matrix is unknown.
     let matrix = one("base_frame: base_link\nextrinsics: {lidar: [0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3]}\n");
     assert_eq!(frames(&matrix), "-");
 }
@@ -213,7 +213,7 @@ fn names_in_a_key_stand_for_the_frames_stated_beside_it() {
             ("lidar_top<-base_link".to_owned(), Likely)
         ]
     );
-    // Other frames than those beside it.
+    // Other frames than those next to it.
     let (_, facts) = yaml(&format!("{stated}cam_T_imu: {FLAT}\n"));
     assert_eq!(frames(&facts.claims[0]), "cam<-imu");
 }

@@ -3,7 +3,7 @@
 use super::super::ouster::may_be_ouster;
 use super::*;
 
-/// Firmware 1.13: keys beside each other, no beam origin. Shortened.
+/// Firmware 1.13: keys side by side, no beam origin. Shortened.
 const FLAT: &str = r#"{"prod_line": "OS-1-16-A0", "build_rev": "v1.13.0", "prod_sn": "991937000062",
 "image_rev": "ousteros-image-prod-aries-v1.13.0-20191105025459", "beam_altitude_angles": [14.9, 4.9], "beam_azimuth_angles": [3.1, -3.1],
 "imu_to_sensor_transform": [1, 0, 0, 6.253, 0, 1, 0, -11.775, 0, 0, 1, 7.645, 0, 0, 0, 1],

@@ -146,7 +146,7 @@ fn what_is_no_calibration_is_not_taken_for_one() {
     assert!(facts.claims.is_empty() && source.status == ReadStatus::Read);
     assert_eq!(
         source.detail.as_deref(),
-        Some("poses over time: no transform of the platform")
+        Some("poses over time (a trajectory), no mounting transforms")
     );
 }
 
@@ -164,7 +164,7 @@ fn broken_texts_say_where() {
         let span = place.span().unwrap();
         assert_eq!(super::at(text, span), at, "{text}");
     }
-    // The form is that of the beginning; a fault far behind it is told, and does not make the file another one.
+    // The form is that of the beginning; a fault far after it is reported, and does not change the form.
     let long = format!("{}1 2 three 4 5 6 7 8\n", "1 2 3 4 5 6 7 8\n".repeat(1000));
     let (source, _) = plain("a.txt", &long);
     assert_eq!(super::at(&long, source.problems[0].place.span().unwrap()), (1001, 5));
@@ -200,7 +200,9 @@ fn tables_have_a_transform_in_each_row() {
     let (source, facts) = plain("c.csv", "x,y,z,roll,pitch,yaw\n1,2,3,0,0,1.5\n1,2,3\n");
     assert_eq!((source.status, facts.claims.len()), (ReadStatus::Partial, 1));
     assert!(
-        source.problems[0].message.contains("3 fields under 6 names"),
+        source.problems[0]
+            .message
+            .contains("3 fields, but the line of names has 6"),
         "{:?}",
         source.problems
     );
@@ -221,7 +223,7 @@ fn images_of_colmap_take_the_world_to_the_camera() {
     assert_eq!((xyz, xyzw, order_known), ([1.0, 2.0, 3.0], [0.0, 0.0, 0.6, 0.8], true));
     let (source, _) = plain("images.txt", &format!("{head}1 0.8 0 zero 0.6 1 2 3 1 a.jpg\n"));
     assert!(
-        source.problems[0].message.contains("`zero` is no number"),
+        source.problems[0].message.contains("`zero` is not a number"),
         "{:?}",
         source.problems
     );
@@ -257,7 +259,7 @@ fn numbers_that_are_missing_are_told_with_their_place() {
     let problem = &source.problems[0];
     assert_eq!(
         problem.message,
-        "`calib_velo_to_cam/R` holds 8 numbers; a rotation has 9, a transform 7, 12 or 16"
+        "`calib_velo_to_cam/R` has 8 numbers; a rotation has 9, a transform 7, 12 or 16"
     );
     let span = problem.place.span().unwrap();
     assert_eq!(&text[span.start..span.end], "0 -1 0 1 0 0 0 0");

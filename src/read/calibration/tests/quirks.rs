@@ -192,7 +192,7 @@ fn numbers_that_are_none_and_counts_that_do_not_fit_are_problems() {
     for (text, word) in [
         (
             "T_a_b: [1, 0, 0, O.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n",
-            "`O.5` is no number",
+            "`O.5` is not a number",
         ),
         ("T_a_b: {rows: 4, cols: 4, data: [1, 0, 0]}\n", "4 rows of 4"),
         ("T_a_b: [[1, 0, 0, 0], [0, 1, 0], [0, 0, 1, 0]]\n", "4, 3, 4"),
@@ -211,10 +211,7 @@ fn numbers_that_are_none_and_counts_that_do_not_fit_are_problems() {
 fn repeated_keys_are_kept_and_noted() {
     let (source, facts) = yaml(&format!("T_a_b: {FLAT}\nT_a_b: {FLAT}\n"));
     assert_eq!((source.status, facts.claims.len()), (ReadStatus::Read, 2));
-    assert_eq!(
-        source.detail.as_deref(),
-        Some("the key `T_a_b` stands twice, again in line 2")
-    );
+    assert_eq!(source.detail.as_deref(), Some("the key `T_a_b` is repeated in line 2"));
 }
 
 #[test]

@@ -19,7 +19,7 @@ pub(super) enum Value {
     List(Vec<Value>),
 }
 
-/// Names that are bound where an expression stands.
+/// Names that are bound at the place of an expression.
 pub(super) type Bound = BTreeMap<String, Value>;
 
 impl<'t> Script<'t> {
@@ -153,7 +153,7 @@ impl<'t> Script<'t> {
                 let pieces = word.text.split_whitespace().map(|piece| {
                     let at = word.text.find(piece).unwrap_or_default();
                     let start = word.span.start + at;
-                    // Where the text stands as it is.
+                    // Where the text is written unchanged.
                     let stands = self.source.get(start..start + piece.len()) == Some(piece);
                     Value::Text(Word {
                         text: piece.to_owned(),

@@ -1,17 +1,17 @@
 //! The text of IDL files, and such texts put together in one as rosbag2 stores them (`ros2idl`).
 //!
 //! Reads what message types are made of: modules, structs, names for types, arrays, sequences, enumerations. Unions and
-//! other forms are said by name where a type needs them. Sources: OMG IDL 4.2, 7.4; rosidl's mapping
+//! other forms are reported by name if a type needs them. Sources: OMG IDL 4.2, 7.4; rosidl's mapping
 //! (`design.ros2.org/articles/idl_interface_definition.html`); sections of `=` and `IDL: package/msg/Type`:
 //! rosbag2_cpp `local_message_definition_source.cpp`.
 
 use super::tokens::{Token, Tokens};
 use super::{Alias, Bundle, Count, Number, Spelled, SpelledField, SpelledType, plain_name};
 
-/// Bound on modules inside each other: every name is looked up in all of them. Message types stand in two.
+/// Bound on nested modules: every name is looked up in all of them. Message types are in two.
 const MAX_SCOPE: usize = 8;
 
-/// Reads every type of a text. What is not understood ends its section, and is given beside the types, with its line.
+/// Reads every type of a text. An error ends its section, and is returned with its line, next to the types.
 pub(super) fn bundle(text: &str) -> (Bundle, Option<String>) {
     let mut reader = Reader::default();
     let mut start = (0, 1);
@@ -49,8 +49,8 @@ impl Reader {
                         scope.push(name);
                         Ok(())
                     }
-                    (Some(_), true) => Err(format!("more than {MAX_SCOPE} modules inside each other")),
-                    _ => Err("a module without a name".to_owned()),
+                    (Some(_), true) => Err(format!("modules are nested more than {MAX_SCOPE} deep")),
+                    _ => Err("a module has no name".to_owned()),
                 },
                 Token::Sign('}') if scope.pop().is_some() => Ok(()),
                 Token::Sign(';' | '@') => Ok(()),
@@ -61,7 +61,7 @@ impl Reader {
                     Ok(())
                 }
                 Token::Word(kind @ ("enum" | "union" | "bitmask" | "bitset")) => self.other(kind, &mut tokens, &scope),
-                token => Err(format!("{} is no declaration that is read", words(Some(token)))),
+                token => Err(format!("{} is not a supported declaration", words(Some(token)))),
             };
             if let Err(what) = read {
                 let line = tokens.line();
@@ -73,14 +73,14 @@ impl Reader {
 
     fn structure(&mut self, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), Unread> {
         let Some(Token::Word(name)) = tokens.next() else {
-            return Err("a struct without a name".to_owned());
+            return Err("a struct has no name".to_owned());
         };
         if tokens.peek() == Some(Token::Sign(';')) {
             return Ok(());
         }
         let mut read = SpelledType::default();
         if tokens.takes(':') {
-            read.fault = Some(format!("line {}: structs with a base are not read", tokens.line()));
+            read.fault = Some(format!("line {}: structs with a base are not supported", tokens.line()));
             tokens.skip_declaration();
         } else if !tokens.takes('{') {
             return Err(format!("{} after `struct {name}`", words(tokens.peek())));
@@ -106,15 +106,15 @@ impl Reader {
         Ok(())
     }
 
-    /// Enumerations are numbers of four bytes; the other kinds are passed over and remembered by name.
+    /// Enumerations are numbers of four bytes; the other kinds are skipped and remembered by name.
     fn other(&mut self, kind: &str, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), Unread> {
         let Some(Token::Word(name)) = tokens.next() else {
-            return Err(format!("{kind} without a name"));
+            return Err(format!("`{kind}` has no name"));
         };
         tokens.skip_declaration();
         let spelled = match kind {
             "enum" => Spelled::Number(Number::Unsigned(4)),
-            _ => Spelled::Unsupported(format!("`{name}` is a {kind}, which is not read")),
+            _ => Spelled::Unsupported(format!("`{name}` is a {kind}, which is not supported")),
         };
         let count = Count::One;
         let alias = Alias { spelled, count };
@@ -135,13 +135,13 @@ fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<SpelledField
     let is_optional = tokens.takes('@');
     let (spelled, count) = type_of(tokens, scope)?;
     let spelled = if is_optional {
-        Spelled::Unsupported("optional fields are not read".to_owned())
+        Spelled::Unsupported("optional fields are not supported".to_owned())
     } else {
         spelled
     };
     loop {
         let Some(Token::Word(name)) = tokens.next() else {
-            return Err("a field without a name".to_owned());
+            return Err("a field has no name".to_owned());
         };
         let mut length: Option<u32> = None;
         while tokens.takes('[') {
@@ -168,7 +168,7 @@ fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<SpelledField
 }
 
 pub(super) fn arrays_of_arrays() -> Spelled {
-    Spelled::Unsupported("arrays of sequences and sequences of arrays are not read".to_owned())
+    Spelled::Unsupported("arrays of sequences and sequences of arrays are not supported".to_owned())
 }
 
 fn type_of(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(Spelled, Count), Unread> {
@@ -177,19 +177,19 @@ fn type_of(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(Spelled, Count), 
     }
     tokens.next();
     if !tokens.takes('<') {
-        return Err("`sequence` without its type".to_owned());
+        return Err("`sequence` has no type".to_owned());
     }
     let spelled = if tokens.peek() == Some(Token::Word("sequence")) {
         arrays_of_arrays()
     } else {
         single(tokens, scope)?
     };
-    // The bound, and what else stands there, changes nothing in a message.
+    // The bound, and anything else there, changes nothing in a message.
     close(tokens)?;
     Ok((spelled, Count::Sequence))
 }
 
-/// Passes over the rest of `<...>`, its opening sign taken.
+/// Skips the rest of `<...>`, after its opening sign.
 fn close(tokens: &mut Tokens<'_>) -> Result<(), Unread> {
     let mut depth = 1_usize;
     while depth > 0 {
@@ -204,7 +204,7 @@ fn close(tokens: &mut Tokens<'_>) -> Result<(), Unread> {
 }
 
 fn single(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<Spelled, Unread> {
-    let unsupported = |what: &str| Spelled::Unsupported(format!("`{what}` is not read"));
+    let unsupported = |what: &str| Spelled::Unsupported(format!("`{what}` is not supported"));
     let word = match tokens.next() {
         Some(Token::Word(word)) => word,
         Some(Token::Scope) => return scoped(tokens, None, &[]),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{Kind, Schema};
 use crate::read::messages::Wire;
 
-/// How a type stands to the published one of its name.
+/// How a type compares with the published one of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// Every published field is there, in its place; more may follow.

@@ -1,4 +1,4 @@
-//! The definitions at hand where a recording carries none: those of the standard packages, and those of `--msg-path`.
+//! The definitions that are available if a recording carries none: those of the standard packages, and those of `--msg-path`.
 //!
 //! Owns where definitions are looked for on disk.
 
@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 
 use super::{Bundle, MAX_DEFINITION, SpelledType, idl, msg, standard};
 
-/// Bound on the entries of the folders that are looked through.
+/// Bound on the entries of the folders that are searched.
 const MAX_ENTRIES: usize = 200_000;
-/// Bound on folders inside each other.
+/// Bound on nested folders.
 const MAX_DEPTH: usize = 24;
 
 /// Definitions by the names of their types. The standard packages are always there; folders that were added come first.
@@ -26,8 +26,8 @@ impl Definitions {
     }
 
     /// Adds the definitions in a folder and below: `package/msg/Type.msg`, `package/Type.msg`, and `.idl` files; of two
-    /// for one type the first one holds, `.msg` before `.idl`, in the order of the paths. Gives how many files there
-    /// were. A file that is not understood is said where a recording needs its type, with file and line.
+    /// for one type the first one is used, `.msg` before `.idl`, in the order of the paths. Returns the number of files.
+    /// A file with an error is reported with file and line if a recording needs its type.
     pub fn add_folder(&mut self, folder: &Path) -> Result<usize, String> {
         let shown = folder.display();
         let root = fs::canonicalize(folder).map_err(|error| format!("`{shown}` cannot be opened: {error}"))?;
@@ -42,7 +42,9 @@ impl Definitions {
             self.add_idl(file);
         }
         if files.is_empty() {
-            return Err(format!("`{shown}` holds no message definition (package/msg/Type.msg)"));
+            return Err(format!(
+                "`{shown}` contains no message definition (package/msg/Type.msg)"
+            ));
         }
         Ok(files.len())
     }
@@ -103,13 +105,13 @@ fn builtin() -> &'static Bundle {
     })
 }
 
-/// The definition files of a folder, sorted. Symbolic links to folders are not followed: they may lead round in a ring.
+/// The definition files of a folder, sorted. Symbolic links to folders are not followed: they may form a cycle.
 fn files(root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let mut entries = 0;
     let mut folders = vec![(root.to_path_buf(), 0)];
     while let Some((folder, depth)) = folders.pop() {
-        // A folder that cannot be listed holds nothing for us; the root was opened before.
+        // A folder that cannot be listed is skipped; the root was opened before.
         let Ok(listed) = fs::read_dir(&folder) else { continue };
         for entry in listed.flatten() {
             entries += 1;
@@ -134,8 +136,8 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|found| found == ending)
 }
 
-/// The package of a `.msg` file: the folder around `msg`, or around the file. Where that folder has a `package.xml`, the
-/// name there holds: a checkout may be called anything.
+/// The package of a `.msg` file: the folder around `msg`, or around the file. If that folder has a `package.xml`, its
+/// name is used: a checkout may have any name.
 fn package_of(file: &Path) -> Option<String> {
     let parent = file.parent()?;
     let folder = if parent.file_name().is_some_and(|name| name == "msg") {
@@ -162,7 +164,7 @@ fn text(file: &Path) -> Result<String, String> {
     let cannot = |error: std::io::Error| format!("cannot be read: {error}");
     let meta = fs::metadata(file).map_err(cannot)?;
     if !meta.is_file() || meta.len() > MAX_DEFINITION as u64 {
-        return Err("cannot be read: it is not a file of a definition's size".to_owned());
+        return Err("cannot be read: it is not a file, or too large for a definition".to_owned());
     }
     fs::read_to_string(file).map_err(cannot)
 }
@@ -244,7 +246,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut definitions = Definitions::builtin();
         let refused = |definitions: &mut Definitions, path: &Path| definitions.add_folder(path).unwrap_err();
-        assert!(refused(&mut definitions, folder.path()).contains("holds no message definition"));
+        assert!(refused(&mut definitions, folder.path()).contains("contains no message definition"));
         assert!(refused(&mut definitions, &folder.path().join("none")).contains("cannot be opened"));
         write(folder.path(), "A.msg", "int8 x\n");
         assert!(refused(&mut definitions, &folder.path().join("A.msg")).ends_with("is not a folder"));

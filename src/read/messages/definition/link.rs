@@ -1,10 +1,10 @@
-//! A type with all it is made of: names looked up, times and headers recognised.
+//! A type with all its parts: names looked up, times and headers recognised.
 
 use std::collections::BTreeMap;
 
 use super::{Bundle, Count, Definitions, Number, Spelled, SpelledType, idl, plain_name};
 
-/// A message type and the types it is made of; the first one is the message's.
+/// A message type and the types of its fields; the first one is the message's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schema {
     /// The types, each once.
@@ -29,7 +29,7 @@ pub struct Field {
     pub name: String,
     /// What it is.
     pub kind: Kind,
-    /// How often it stands there.
+    /// How often it occurs.
     pub count: Count,
 }
 
@@ -49,7 +49,7 @@ pub enum Kind {
     },
     /// Another type, by its place in [`Schema::types`].
     Nested(usize),
-    /// Something whose size is not known, in words.
+    /// Something whose size is not known: the reason.
     Unsupported(String),
 }
 
@@ -57,13 +57,13 @@ pub enum Kind {
 const MAX_ALIASES: usize = 16;
 
 impl Schema {
-    /// The type as the standard packages publish it, whatever folders were added.
+    /// The type as the standard packages publish it, even if folders were added.
     pub fn published(name: &str) -> Option<Self> {
         Self::link(name, None, &Definitions::builtin())
     }
 
-    /// Puts together the type `root`: from the definitions that came with it, else from those at hand. `None` where
-    /// neither knows it.
+    /// Puts together the type `root`: from the definitions that came with it, else from those available. `None` if
+    /// neither has it.
     pub fn link(root: &str, carried: Option<&Bundle>, definitions: &Definitions) -> Option<Self> {
         let mut linker = Linker {
             carried,
@@ -122,7 +122,7 @@ impl Struct {
         (is_time && is_two_numbers).then_some(Kind::Time)
     }
 
-    /// What this type is where it is a header as published.
+    /// What this type is, if it is a header as published.
     pub fn as_header(&self) -> Option<Kind> {
         let has_seq = match *self.kinds()? {
             [Kind::Time, Kind::Text] => false,
@@ -142,7 +142,7 @@ impl Struct {
 struct Linker<'d> {
     carried: Option<&'d Bundle>,
     definitions: &'d Definitions,
-    /// Where each type found so far will stand.
+    /// The place of each type found so far.
     place: BTreeMap<String, usize>,
     found: Vec<(String, &'d SpelledType)>,
 }

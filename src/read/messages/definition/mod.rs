@@ -1,6 +1,6 @@
 //! Definitions of message types: which fields, in which order, of which sizes.
 //!
-//! Owns the model and the words for what a definition leaves open. Must not know the bytes of messages.
+//! Owns the model and the messages about what a definition leaves open. Must not know the bytes of messages.
 
 mod idl;
 mod layout;
@@ -21,14 +21,14 @@ pub use link::{Field, Kind, Schema, Struct};
 /// Longest definition that is read, bytes. The largest types that are published have some 100 KB with all they use.
 pub const MAX_DEFINITION: usize = 1 << 20;
 
-/// How often a field stands in a message.
+/// How often a field occurs in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
     /// Once.
     One,
     /// A fixed number of times.
     Fixed(u32),
-    /// As often as a length in front of it says.
+    /// As often as the length before it states.
     Sequence,
 }
 
@@ -61,7 +61,7 @@ enum Spelled {
     Time,
     /// Another type: the names it may have, the likeliest first, each as `package/Type`.
     Named(Vec<String>),
-    /// What cannot be read, in words.
+    /// What cannot be read: the reason.
     Unsupported(String),
 }
 
@@ -102,19 +102,21 @@ pub enum Carried {
     Nothing,
     /// The type and what it is made of.
     Types(Bundle),
-    /// Something that is not understood, in words.
+    /// Something that cannot be used: the reason.
     Unread(String),
 }
 
 impl Carried {
-    /// Reads the definition of the type `name` as it stands in a recording.
+    /// Reads the definition of the type `name` as stored in a recording.
     pub fn read(name: &str, schema: &[u8], encoding: &str) -> Self {
         if schema.iter().all(u8::is_ascii_whitespace) {
             return Self::Nothing;
         }
         if schema.len() > MAX_DEFINITION {
             let len = schema.len();
-            return Self::Unread(format!("its definition of {len} bytes is too long to be one"));
+            return Self::Unread(format!(
+                "its definition of {len} bytes is too long; at most {MAX_DEFINITION} are read"
+            ));
         }
         let Ok(text) = std::str::from_utf8(schema) else {
             return Self::Unread("its definition is not UTF-8".to_owned());
@@ -128,7 +130,7 @@ impl Carried {
                 }
                 Self::Unread(match fault {
                     Some(fault) => format!("its definition is not understood: {fault}"),
-                    None => "its definition does not hold the type itself".to_owned(),
+                    None => "its definition does not contain the type itself".to_owned(),
                 })
             }
             "" => Self::Unread("definitions in an unnamed encoding are not read".to_owned()),

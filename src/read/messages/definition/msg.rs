@@ -6,7 +6,7 @@
 use super::{Bundle, Count, Number, Spelled, SpelledField, SpelledType, plain_name};
 
 /// Reads a text that begins with the fields of `root`, followed by the types it uses, each after a line of `=` and
-/// `MSG: package/Type`. Of two texts for one type the first one holds.
+/// `MSG: package/Type`. Of two texts for one type the first one is used.
 pub(super) fn bundle(root: &str, text: &str) -> Bundle {
     let mut bundle = Bundle::default();
     let root = plain_name(root);
@@ -26,7 +26,7 @@ pub(super) fn bundle(root: &str, text: &str) -> Bundle {
     bundle
 }
 
-/// Keeps a section. One without a name or with nothing in it says nothing.
+/// Keeps a section. One without a name or content is ignored.
 fn keep(bundle: &mut Bundle, name: Option<String>, section: &mut Vec<(usize, &str)>) {
     let lines = std::mem::take(section);
     let (Some(name), true) = (name, lines.iter().any(|(_, line)| !line.trim().is_empty())) else {
@@ -53,14 +53,14 @@ pub(super) fn one<'t>(package: &str, lines: impl Iterator<Item = (usize, &'t str
     read
 }
 
-/// The field a line declares; `None` for blank lines, comments and constants (`type NAME = value`).
+/// The field a line declares; `None` for empty lines, comments and constants (`type NAME = value`).
 fn field(package: &str, line: &str) -> Result<Option<SpelledField>, String> {
-    // Texts in constants and defaults may hold a `#`: what is cut off then is no part of the field either.
+    // Texts in constants and defaults may hold a `#`: the part cut off then is not part of the field either.
     let line = line.split('#').next().unwrap_or_default().trim();
     if line.is_empty() {
         return Ok(None);
     }
-    let not_a_field = || format!("`{}` is no field", shortened(line));
+    let not_a_field = || format!("`{}` is not a field", shortened(line));
     let (type_text, rest) = line.split_once(char::is_whitespace).ok_or_else(not_a_field)?;
     let rest = rest.trim_start();
     let end = rest
@@ -106,7 +106,7 @@ fn type_of(package: &str, text: &str) -> Option<(Spelled, Count)> {
     };
     let spelled = match base {
         "string" => Spelled::Text,
-        "wstring" => Spelled::Unsupported("`wstring` has no size that all writers agree on".to_owned()),
+        "wstring" => Spelled::Unsupported("the size of a `wstring` differs between writers".to_owned()),
         _ if bound.is_some() => return None,
         "bool" | "byte" | "char" | "uint8" => Spelled::Number(Number::Unsigned(1)),
         "int8" => Spelled::Number(Number::Signed(1)),
@@ -144,7 +144,7 @@ fn named(package: &str, text: &str) -> Option<Vec<String>> {
     Some(names)
 }
 
-/// A line in a message, short enough to be one.
+/// A line for a message, shortened.
 pub(super) fn shortened(text: &str) -> String {
     const LONGEST: usize = 60;
     if text.chars().count() <= LONGEST {

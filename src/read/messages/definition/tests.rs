@@ -95,17 +95,17 @@ fn what_idl_can_say_and_messages_cannot_hold_is_said() {
         }
     };
     let union = "union U switch (long) { case 1: long a; };";
-    assert_eq!(field(union, "U u;"), "`U` is a union, which is not read");
-    assert_eq!(field("", "@optional long a;"), "optional fields are not read");
-    assert_eq!(field("", "wstring<3> w;"), "`wstring` is not read");
-    assert_eq!(field("", "long double d;"), "`long double` is not read");
+    assert_eq!(field(union, "U u;"), "`U` is a union, which is not supported");
+    assert_eq!(field("", "@optional long a;"), "optional fields are not supported");
+    assert_eq!(field("", "wstring<3> w;"), "`wstring` is not supported");
+    assert_eq!(field("", "long double d;"), "`long double` is not supported");
     assert_eq!(field("", "Missing m;"), "there is no definition of Missing");
-    let rows = "arrays of sequences and sequences of arrays are not read";
+    let rows = "arrays of sequences and sequences of arrays are not supported";
     assert_eq!(field("", "sequence<sequence<long>> a;"), rows);
     assert_eq!(field("typedef long three[3];", "three a[2];"), rows);
     assert!(field("typedef B C; typedef C B;", "B b;").contains("more than 16 names"));
     assert!(field("", "long a[N];").ends_with("Some(\"line 1: the length of `a` is not a number\")"));
-    assert!(field("", "long;").ends_with("Some(\"line 1: a field without a name\")"));
+    assert!(field("", "long;").ends_with("Some(\"line 1: a field has no name\")"));
 }
 
 #[test]
@@ -116,13 +116,13 @@ fn a_definition_without_the_type_itself_says_why() {
     };
     assert_eq!(
         why(b"struct B { long a; };", "ros2idl"),
-        "its definition does not hold the type itself"
+        "its definition does not contain the type itself"
     );
     let deep = "module a { ".repeat(20);
     assert!(why(deep.as_bytes(), "ros2idl").contains("line 1: more than 8 modules"));
     assert_eq!(
         why(b"\n\nfunction x", "ros2idl"),
-        "its definition is not understood: line 3: `function` is no declaration that is read"
+        "its definition is not understood: line 3: `function` is not a supported declaration"
     );
     assert_eq!(why(&[0xff], "ros2msg"), "its definition is not UTF-8");
     assert!(why(&vec![b'x'; MAX_DEFINITION + 1], "ros2msg").contains("too long"));
@@ -188,7 +188,7 @@ fn the_standard_packages_are_whole() {
                 assert!(is_known, "{name}: {} {field:?}", one.name);
             }
         }
-        // A header stands first or not at all: a version of the package that differs behind it is read all the same.
+        // A header comes first or not at all: a version of the package that differs after it is still read.
         let fields = &schema.root().unwrap().fields;
         let header = fields
             .iter()

@@ -15,8 +15,8 @@ pub(super) enum Token<'t> {
     Sign(char),
 }
 
-/// The tokens of a text with the lines they stand on. Comments, lines of the preprocessor and annotations are left out,
-/// except `@optional`, which changes what stands in a message: it is the sign `@`.
+/// The tokens of a text with their line numbers. Comments, lines of the preprocessor and annotations are skipped,
+/// except `@optional`, which changes the bytes of a message: it is the sign `@`.
 pub(super) struct Tokens<'t> {
     rest: &'t str,
     line: usize,
@@ -57,7 +57,7 @@ impl<'t> Tokens<'t> {
         is_it
     }
 
-    /// Passes over everything up to the next `;` outside of braces, or up to the brace that closes the outer ones.
+    /// Skips everything up to the next `;` outside of braces, or up to the brace that closes the outer ones.
     pub(super) fn skip_declaration(&mut self) {
         let mut depth = 0_usize;
         while let Some(token) = self.peek() {
@@ -88,7 +88,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Passes over an annotation behind its `@`; gives its last name.
+    /// Skips an annotation after its `@`; returns its last name.
     fn annotation(&mut self) -> Option<&'t str> {
         let mut name = None;
         loop {

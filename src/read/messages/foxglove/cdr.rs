@@ -62,7 +62,7 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
             return Ok(Content::new(Some(Header::read(&mut cdr)?), Body::Nothing));
         }
     };
-    // Nothing is set aside for the number that a message claims.
+    // No memory is reserved for the number that a message claims.
     let mut transforms = Vec::new();
     for _ in 0..count {
         // A time and a name come first, as in a header.
@@ -78,7 +78,7 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
     Ok(Content::new(None, Body::Transforms(transforms)))
 }
 
-/// Reads the rest of a `foxglove_msgs/LaserScan` behind its frame, as far as its ranges.
+/// Reads the rest of a `foxglove_msgs/LaserScan` after its frame, as far as its ranges.
 fn laser_scan(cdr: &mut Cursor<'_>) -> Result<LaserScan, DecodeError> {
     let pose = Pose {
         position: cdr.f64s()?,
@@ -87,7 +87,7 @@ fn laser_scan(cdr: &mut Cursor<'_>) -> Result<LaserScan, DecodeError> {
     };
     let [start, end] = cdr.f64s()?;
     let count = cdr.u32()?;
-    // Nothing is set aside for the number that a message claims.
+    // No memory is reserved for the number that a message claims.
     let ranges = (0..count).map(|_| cdr.f64()).collect::<Result<_, DecodeError>>()?;
     Ok(LaserScan::spread(start, end, ranges, Some(pose)))
 }

@@ -1,4 +1,4 @@
-//! Wanted values become content.
+//! Converts wanted values to content.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -118,13 +118,13 @@ fn odometry<'m>(object: &mut Object<'m>) -> Result<Odometry<'m>, DecodeError> {
     })
 }
 
-/// A scan of a plane. A pose that is left out is none: JSON may do so.
+/// A scan of a plane. A missing pose is the identity: JSON may omit it.
 fn laser_scan(object: &mut Object<'_>) -> Result<LaserScan, DecodeError> {
     let ranges = match object.take(RANGES) {
         Some(Value::List(list)) => list.iter().map(as_number).collect::<Option<Vec<f64>>>(),
         found => return Err(not_a(RANGES, "a list", found.as_ref())),
     };
-    let ranges = ranges.ok_or_else(|| DecodeError(format!("`{RANGES}` holds more than numbers")))?;
+    let ranges = ranges.ok_or_else(|| DecodeError(format!("`{RANGES}` has values that are not numbers")))?;
     let pose = match object.take("pose") {
         Some(Value::Object(mut inner)) => Some(pose(&mut inner)?),
         None | Some(Value::Null) => None,
@@ -134,7 +134,7 @@ fn laser_scan(object: &mut Object<'_>) -> Result<LaserScan, DecodeError> {
     Ok(LaserScan::spread(start, end, ranges, pose))
 }
 
-/// The frames of a scene's entities. The header is that of the first entity; the frames of the others are told besides,
+/// The frames of a scene's entities. The header is that of the first entity; the frames of the others are listed separately,
 /// each once.
 fn scene<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
     let mut first = None;
@@ -221,7 +221,7 @@ fn number(object: &Object<'_>, field: &str) -> Result<f64, DecodeError> {
     found.and_then(as_number).ok_or_else(|| not_a(field, "a number", found))
 }
 
-/// JSON has no word for numbers that are not finite: JavaScript writes `null`, Protocol Buffers write text.
+/// JSON cannot express numbers that are not finite: JavaScript writes `null`, Protocol Buffers write text.
 fn as_number(value: &Value<'_>) -> Option<f64> {
     match value {
         Value::Number(number) => Some(*number),
@@ -237,7 +237,7 @@ fn as_number(value: &Value<'_>) -> Option<f64> {
     }
 }
 
-/// A matrix, row by row; zeros where it is left out or empty, which is how these schemas say that it is unknown.
+/// A matrix, row by row; zeros if it is missing or empty, which in these schemas means that it is unknown.
 fn matrix<const N: usize>(object: &Object<'_>, field: &str) -> Result<[f64; N], DecodeError> {
     let list = match object.get(field) {
         None | Some(Value::Null) => return Ok([0.0; N]),
@@ -246,10 +246,10 @@ fn matrix<const N: usize>(object: &Object<'_>, field: &str) -> Result<[f64; N], 
         found => return Err(not_a(field, "a list", found)),
     };
     let numbers: Option<Vec<f64>> = list.iter().map(as_number).collect();
-    let numbers = numbers.ok_or_else(|| DecodeError(format!("`{field}` holds more than numbers")))?;
+    let numbers = numbers.ok_or_else(|| DecodeError(format!("`{field}` has values that are not numbers")))?;
     numbers
         .try_into()
-        .map_err(|_| DecodeError(format!("`{field}` does not hold {N} numbers")))
+        .map_err(|_| DecodeError(format!("`{field}` does not have {N} numbers")))
 }
 
 fn stamp_of(field: &str, value: &Value<'_>) -> Result<i64, DecodeError> {
@@ -257,7 +257,7 @@ fn stamp_of(field: &str, value: &Value<'_>) -> Result<i64, DecodeError> {
 }
 
 fn lacks(field: &str) -> DecodeError {
-    DecodeError(format!("lacks `{field}`"))
+    DecodeError(format!("`{field}` is missing"))
 }
 
 fn not_a(field: &str, wanted: &str, found: Option<&Value<'_>>) -> DecodeError {

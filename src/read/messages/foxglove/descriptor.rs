@@ -1,4 +1,4 @@
-//! A type's descriptor becomes the numbers of the fields that are wanted.
+//! Finds the numbers of the wanted fields in a type's descriptor.
 //!
 //! Of `google.protobuf.FileDescriptorSet` only names, numbers and types are decoded: a hostile one stays within some
 //! forty times its size. Source: `google/protobuf/descriptor.proto`.
@@ -26,7 +26,7 @@ pub(super) struct Field {
     pub(super) holds: Holds,
 }
 
-/// What a field holds.
+/// The type of a field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Holds {
     Double,
@@ -84,7 +84,7 @@ struct Declared {
 /// `LABEL_REPEATED`.
 const REPEATED: i32 = 3;
 
-/// The layout of a channel's type, or why its descriptor does not give one.
+/// The layout of a channel's type, or why its descriptor does not contain one.
 pub(super) fn layout(format: &Format<'_>, wanted: &Wanted) -> Result<Layout, String> {
     let (name, bytes) = (format.message_type, format.schema);
     if bytes.is_empty() {
@@ -100,12 +100,12 @@ pub(super) fn layout(format: &Format<'_>, wanted: &Wanted) -> Result<Layout, Str
             "the descriptor of `{name}` has {length} bytes; at most {most} are read"
         ));
     }
-    let set = Set::decode(bytes).map_err(|error| format!("the descriptor of `{name}` does not decode: {error}"))?;
-    let found = find(&set, name).ok_or_else(|| format!("the descriptor of `{name}` does not hold that type"))?;
+    let set = Set::decode(bytes).map_err(|error| format!("the descriptor of `{name}` cannot be decoded: {error}"))?;
+    let found = find(&set, name).ok_or_else(|| format!("the descriptor of `{name}` does not contain that type"))?;
     Ok(of(&set, found, wanted))
 }
 
-/// As deep as `wanted` goes, whatever the types refer to, and each wanted field once.
+/// No deeper than `wanted`, even if types refer to each other, and each wanted field once.
 fn of(set: &Set, declared: &Type, wanted: &Wanted) -> Layout {
     let field = |(name, inside): &(&'static str, &'static Wanted)| {
         let field = declared.fields.iter().find(|field| field.name == *name)?;

@@ -1,4 +1,4 @@
-//! A JSON message becomes its wanted values in one pass; everything else is passed over without being kept.
+//! Reads the wanted values of a JSON message in one pass; everything else is skipped.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,7 +9,7 @@ use super::value::{Object, Value};
 use super::wanted::Wanted;
 use crate::read::messages::DecodeError;
 
-/// The wanted values of a message. Keys that a message gives twice count the last time.
+/// The wanted values of a message. Of repeated keys the last one counts.
 pub(super) fn read<'m>(wanted: &'static Wanted, message: &'m [u8]) -> Result<Value<'m>, DecodeError> {
     let mut reader = serde_json::Deserializer::from_slice(message);
     let top = Place {
@@ -19,10 +19,10 @@ pub(super) fn read<'m>(wanted: &'static Wanted, message: &'m [u8]) -> Result<Val
     };
     top.deserialize(&mut reader)
         .and_then(|value| reader.end().map(|()| value))
-        .map_err(|error| DecodeError(format!("not sound JSON: {error}")))
+        .map_err(|error| DecodeError(format!("not valid JSON: {error}")))
 }
 
-/// Where a value stands: what is wanted of it decides how deep it is read.
+/// The place of a value: what is wanted of it decides how deep it is read.
 #[derive(Clone, Copy)]
 struct Place {
     name: &'static str,

@@ -1,8 +1,8 @@
 //! Messages of Foxglove's schemas: Protocol Buffers, JSON, and CDR by `foxglove_msgs`.
 //!
 //! Owns which channels these are and the way from bytes to content. A message becomes a small tree of the fields that
-//! are wanted (`wanted.rs`), whatever its encoding; the tree becomes content in one place. Everything else in a message
-//! is passed over by its length. Must not know recordings.
+//! are wanted (`wanted.rs`), in any encoding; the tree is converted to content in one place. Everything else in a message
+//! is skipped by its length. Must not know recordings.
 //!
 //! Sources: the schemas at <https://docs.foxglove.dev/docs/visualization/message-schemas/introduction>, MCAP's registry of
 //! well-known encodings <https://mcap.dev/spec/registry>.
@@ -42,7 +42,7 @@ enum Encoding {
 
 impl Reader {
     /// The reader of a channel with messages in Protocol Buffers, in JSON, or of `foxglove_msgs` in CDR; `None` for every
-    /// other channel, and why nothing can be read where the definition does not serve.
+    /// other channel, or why nothing can be read if the definition cannot be used.
     pub fn of(format: &Format<'_>) -> Option<Result<Self, String>> {
         let kind = Kind::of(format.message_type);
         let encoding = match format.message_encoding {

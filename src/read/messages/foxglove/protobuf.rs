@@ -1,4 +1,4 @@
-//! A protobuf message becomes its wanted values, guided by a layout.
+//! Reads the wanted values of a protobuf message by a layout.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use super::value::{Object, Value};
 use super::wire::{Raw, Wire};
 use crate::read::messages::DecodeError;
 
-/// The wanted values of a message. What is not in the bytes has its default, as the format says: numbers are zero, texts
+/// The wanted values of a message. A field that is missing has its default, as the format requires: numbers are zero, texts
 /// and lists empty.
 pub(super) fn read<'m>(layout: &Layout, message: &'m [u8]) -> Result<Value<'m>, DecodeError> {
     let mut object = Object::default();
@@ -103,7 +103,7 @@ fn single<'m>(field: &Field, raw: Raw<'m>) -> Result<Option<Value<'m>>, DecodeEr
     }))
 }
 
-/// Gives the fields that the bytes leave out their default.
+/// Sets missing fields to their default.
 fn complete(layout: &Layout, object: &mut Object<'_>) {
     for field in &layout.fields {
         if object.get(field.name).is_none() {

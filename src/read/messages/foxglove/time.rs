@@ -5,19 +5,19 @@ use super::value::{Object, Value};
 /// Nanoseconds in a second.
 const SECOND: i64 = 1_000_000_000;
 
-/// Nanoseconds since 1970, or why it is no time: `{sec, nsec}` and its kin, or a text as RFC 3339 has it.
+/// Nanoseconds since 1970, or why it is not a time: `{sec, nsec}` and similar, or an RFC 3339 text.
 pub(super) fn nanoseconds(value: &Value<'_>) -> Result<i64, String> {
     let (seconds, rest) = match value {
         Value::Object(object) => {
             let seconds = first(object, &["seconds", "sec", "secs"]).and_then(integer);
-            let seconds = seconds.ok_or("holds no whole seconds")?;
+            let seconds = seconds.ok_or("has no whole number of seconds")?;
             let rest = match first(object, &["nanos", "nsec", "nsecs", "nanosec"]) {
-                Some(value) => integer(value).ok_or("holds no whole nanoseconds")?,
+                Some(value) => integer(value).ok_or("has no whole number of nanoseconds")?,
                 None => 0,
             };
             (seconds, rest)
         }
-        Value::Text(text) => rfc3339(text.as_bytes()).ok_or("is not a time as RFC 3339 has it")?,
+        Value::Text(text) => rfc3339(text.as_bytes()).ok_or("is not an RFC 3339 time")?,
         other => return Err(format!("is {}, not seconds and nanoseconds", other.noun())),
     };
     let whole = seconds.checked_mul(SECOND).and_then(|whole| whole.checked_add(rest));

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::wanted::RANGES;
 use crate::read::messages::DecodeError;
 
-/// Numbers of a list that are kept: one more than the longest list that is wanted (6x6), so that a longer one is seen.
+/// Numbers of a list that are kept: one more than the longest list that is wanted (6x6), so that a longer one is noticed.
 pub(super) const MAX_NUMBERS: usize = 37;
 /// Ranges of a scan that are kept; planar scanners have some thousand rays.
 pub(super) const MAX_RANGES: usize = 20_000;
@@ -32,7 +32,7 @@ pub(super) enum Value<'m> {
 pub(super) struct Object<'m>(pub(super) Vec<(&'static str, Value<'m>)>);
 
 impl Value<'_> {
-    /// What it is, in words.
+    /// What it is, for messages.
     pub(super) fn noun(&self) -> &'static str {
         match self {
             Self::Text(_) => "a text",
@@ -81,7 +81,7 @@ impl<'m> Object<'m> {
         Some(self.0.swap_remove(at).1)
     }
 
-    /// Sets a field; a repeated name counts the last time, as in JavaScript and in Protocol Buffers.
+    /// Sets a field; of a repeated name the last value counts, as in JavaScript and in Protocol Buffers.
     pub(super) fn set(&mut self, name: &'static str, value: Value<'m>) {
         match self.get_mut(name) {
             Some(known) => *known = value,

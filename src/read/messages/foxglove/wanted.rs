@@ -8,7 +8,7 @@
 pub(super) struct Wanted(pub(super) &'static [(&'static str, &'static Wanted)]);
 
 impl Wanted {
-    /// What is wanted of a field, with its name as a word of ours.
+    /// What is wanted of a field, with its name in this program.
     pub(super) fn field(&self, name: &str) -> Option<(&'static str, &'static Wanted)> {
         self.0.iter().find(|(known, _)| *known == name).copied()
     }
@@ -79,10 +79,10 @@ static LASER_SCAN: Wanted = Wanted(&[
 static ENTITY: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN)]);
 static SCENE: Wanted = Wanted(&[("entities", &ENTITY)]);
 
-/// The one list of numbers that is as long as a sensor likes.
+/// The only list of numbers of any length.
 pub(super) const RANGES: &str = "ranges";
 
-/// What a type says about frames.
+/// What a type contains about frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// `FrameTransform`, `geometry_msgs/TransformStamped`.
@@ -93,7 +93,7 @@ pub(super) enum Kind {
     Fix,
     /// `LocationFixes`.
     Fixes,
-    /// `Pose`: in no frame.
+    /// `Pose`, which has no frame.
     Pose,
     /// `PoseInFrame`.
     PoseInFrame,
@@ -103,9 +103,9 @@ pub(super) enum Kind {
     Scene,
     /// `LaserScan`.
     LaserScan,
-    /// Another type of Foxglove's: a header, where it has one, spelled as the schemas say.
+    /// Another type of Foxglove's: a header, if it has one, spelled as in the schemas.
     Header,
-    /// A type of somebody else's: a header, where it has what looks like one.
+    /// A type of another vendor: a header, if it has fields like one.
     Unknown,
 }
 
@@ -115,7 +115,7 @@ impl Kind {
         let within = |package| message_type.split(['.', '/']).any(|part| part == package);
         let name = message_type.rsplit(['.', '/']).next().unwrap_or_default();
         if !message_type.starts_with("foxglove.") && !message_type.starts_with("foxglove_msgs/") {
-            // ROS messages in another encoding keep their names behind some prefix.
+            // ROS messages in another encoding keep their names after a prefix.
             return match name {
                 "TransformStamped" if within("geometry_msgs") => Self::Transform,
                 "TFMessage" if within("tf2_msgs") || within("tf") => Self::Transforms,

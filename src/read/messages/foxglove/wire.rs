@@ -1,22 +1,22 @@
 //! A cursor over the wire format of Protocol Buffers.
 //!
-//! Owns varints, tags, lengths and bounds; passes over what is not wanted without looking inside.
+//! Owns varints, tags, lengths and bounds; skips what is not wanted without reading it.
 //! Source: <https://protobuf.dev/programming-guides/encoding>.
 
 use crate::read::messages::DecodeError;
 
-/// One field as it stands in the bytes.
+/// One field as encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Raw<'m> {
     Varint(u64),
     Fixed64([u8; 8]),
     Fixed32([u8; 4]),
     Bytes(Wire<'m>),
-    /// A group, passed over: the oldest way to nest, which no type that is read here uses.
+    /// A group, skipped: the oldest way to nest, which no type that is read here uses.
     Group,
 }
 
-/// A stretch of a message. Positions in errors count from the first byte of the whole message.
+/// A section of a message. Positions in errors count from the first byte of the whole message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Wire<'m> {
     message: &'m [u8],
@@ -33,7 +33,7 @@ impl<'m> Wire<'m> {
         }
     }
 
-    /// Where the cursor stands in the whole message.
+    /// The position of the cursor in the whole message.
     pub(super) fn position(&self) -> usize {
         self.at
     }
@@ -42,7 +42,7 @@ impl<'m> Wire<'m> {
         self.at >= self.end
     }
 
-    /// The bytes of the stretch.
+    /// The bytes of the section.
     pub(super) fn bytes(&self) -> &'m [u8] {
         self.message.get(self.at..self.end).unwrap_or_default()
     }
@@ -71,7 +71,7 @@ impl<'m> Wire<'m> {
         let mut value = 0;
         for shift in (0..70).step_by(7) {
             let [byte] = self.fixed::<1>()?;
-            // The tenth byte has one bit left to give; what it says beyond is dropped, as elsewhere.
+            // Only one bit of the tenth byte counts; the others are dropped, as in other readers.
             value |= u64::from(byte & 0x7f).checked_shl(shift).unwrap_or(0);
             if byte & 0x80 == 0 {
                 return Ok(value);
@@ -125,7 +125,7 @@ impl<'m> Wire<'m> {
         }
     }
 
-    /// Passes over a group and the groups inside it, counting instead of recursing.
+    /// Skips a group and the groups inside it, counting instead of recursing.
     fn skip_group(&mut self, start: usize) -> Result<(), DecodeError> {
         let mut open = 1_u64;
         while open > 0 {

@@ -28,8 +28,8 @@ fn doubling(levels: usize, leaf: &str) -> String {
 fn types_of_nothing_doubled_forty_times_end_at_once() {
     let nothing = doubling(40, "# nothing");
     let message = [0, 1, 0, 0, 0, 0, 0, 0];
-    assert!(error(&nothing, Form::Ros1, &message).contains("more at byte 0 than the message can hold"));
-    assert!(error(&doubling(40, "uint8[0] a"), Form::Little, &message).contains("than the message can hold"));
+    assert!(error(&nothing, Form::Ros1, &message).contains("more at byte 0 than the message can contain"));
+    assert!(error(&doubling(40, "uint8[0] a"), Form::Little, &message).contains("than the message can contain"));
     assert!(error(&nothing, Form::Little, &message).contains("run past the end"));
 }
 
@@ -50,7 +50,7 @@ fn counts_beyond_the_message_end_at_once() {
             let text = format!("{own}{RULE}\nMSG: acme/Nothing\n# nothing\n");
             let error = error(&text, form, &message);
             assert!(
-                error.contains("run past the end") || error.contains("than the message can hold"),
+                error.contains("run past the end") || error.contains("than the message can contain"),
                 "{error}"
             );
         }
@@ -60,11 +60,11 @@ fn counts_beyond_the_message_end_at_once() {
 #[test]
 fn a_type_inside_itself_ends_at_once() {
     let itself = format!("Sub s\nstd_msgs/Header h\n{RULE}\nMSG: acme/Sub\nSub s\n");
-    assert!(error(&itself, Form::Ros1, &[0; 999]).contains("more than 64 types inside each other at byte 0"));
+    assert!(error(&itself, Form::Ros1, &[0; 999]).contains("types are nested more than 64 deep at byte 0"));
     let through_sequence = format!("Sub s\nstd_msgs/Header h\n{RULE}\nMSG: acme/Sub\nSub[] s\n");
-    assert!(error(&through_sequence, Form::Ros1, &[1; 999]).contains("inside each other at byte 256"));
+    assert!(error(&through_sequence, Form::Ros1, &[1; 999]).contains("nested more than 64 deep at byte 256"));
     let own = "Top s\nstd_msgs/Header h\n";
-    assert!(error(own, Form::Ros1, &[0; 999]).contains("inside each other"));
+    assert!(error(own, Form::Ros1, &[0; 999]).contains("types are nested more than 64 deep"));
 }
 
 #[test]
@@ -74,5 +74,5 @@ fn many_fields_of_nothing_are_not_walked_for_every_message() {
         writeln!(own, "uint8[0] a{index}").unwrap();
     }
     own.push_str("std_msgs/Header h\n");
-    assert!(error(&own, Form::Ros1, &[0; 8]).contains("than the message can hold"));
+    assert!(error(&own, Form::Ros1, &[0; 8]).contains("than the message can contain"));
 }

@@ -161,7 +161,7 @@ fn every_standard_type_is_read_whole_under_each_spelling() {
                 let header = header.map(|header| (header.stamp_ns, header.frame_id.into_owned()));
                 let expected = has_header.then(|| (STAMP_NS, "map".to_owned()));
                 assert_eq!(header, expected, "{spelling} {form:?}");
-                // One byte less is an error, wherever the reader stands then; others end in a byte that is not read.
+                // One byte less is an error at any position of the reader; others end in a byte that is not read.
                 if !matches!(read, Body::Fix(_) | Body::Image(_) | Body::Cloud(_)) {
                     assert!(
                         decoder.decode(&message[..message.len() - 1]).is_err(),
@@ -219,7 +219,7 @@ fn a_definition_that_says_otherwise_is_believed() {
         assert_eq!(published.note(), None, "{form:?}");
 
         let changed = decoder("/odom", "nav_msgs/Odometry", form, &schema(form, quaternion_first));
-        let note = "its definition of nav_msgs/Odometry is not the published one: only headers are read";
+        let note = "its definition of nav_msgs/Odometry differs from the published one: only headers are read";
         assert_eq!((changed.unread(), changed.note()), (None, Some(note)), "{form:?}");
         let message = form.write(&[Piece::Float(1.0), header("map"), Piece::Text("base".to_owned())]);
         let content = changed.decode(&message).unwrap();
@@ -234,7 +234,7 @@ fn a_definition_that_says_otherwise_is_believed() {
     );
     assert_eq!(
         tf.unread(),
-        Some("its definition of tf2_msgs/TFMessage is not the published one")
+        Some("its definition of tf2_msgs/TFMessage differs from the published one")
     );
     assert!(!tf.lacks_definition());
 }
@@ -248,7 +248,7 @@ fn version_2_of_cdr_is_read_with_its_sizes() {
         out.push(0);
     };
     let mut message = vec![0, 7, 0, 0];
-    // Size of the sequence, its length, one transform: numbers of eight bytes stand on multiples of four.
+    // Size of the sequence, its length, one transform: numbers of eight bytes are at multiples of four.
     for number in [0_u32, 1, 7, 8] {
         message.extend(number.to_le_bytes());
     }

@@ -191,7 +191,7 @@ fn messages_cut_short_are_errors_with_the_byte() {
     for form in FORMS {
         let decoder = decoder("/imu", "vn_driver/Vectornav", form, &schema(form, VECTORNAV));
         let whole = form.write(&vectornav(header("imu1_frame"), empty()));
-        // Nothing is read of what stands behind the member.
+        // Nothing after the member is read.
         let tail = form.write(&vectornav(header("imu1_frame"), empty())[..39]).len();
         assert!(decoder.decode(&whole[..tail]).is_ok());
         for len in 0..tail {

@@ -27,7 +27,7 @@ fn read(text: &str) -> Result<Option<Nmea>, String> {
             }
         }));
     }
-    // In ROS 1 other bytes stand in front: only the place of an error may differ.
+    // In ROS 1 other bytes come first: only the place of an error may differ.
     assert_eq!(said[0], said[1]);
     assert_eq!(said[0].as_ref().ok(), said[2].as_ref().ok());
     said.swap_remove(0)
@@ -164,26 +164,26 @@ fn broken_sentences_are_errors_with_the_byte() {
     let error = |text: &str| read(text).unwrap_err();
     // The sentence begins behind the encapsulation, a header of 16 bytes and the text's length.
     assert_eq!(error("$GPHDT,274.07,T"), "the NMEA sentence at byte 24 has no checksum");
-    let wrong = "the NMEA sentence at byte 26 does not end in its checksum 03";
+    let wrong = "the NMEA sentence at byte 26 has a wrong checksum; it should be 03";
     assert_eq!(error("\r\n$GPHDT,274.07,T*04"), wrong);
     for tail in ["*3", "*003", "*+3", "*\u{e4}", "*", "*03$GPHDT,274.07,T*03"] {
         let text = format!("$GPHDT,274.07,T{tail}");
         assert!(error(&text).contains("checksum"), "{text}");
     }
     let fault = |data: &str| error(&summed(data));
-    let of = |number, at, what| format!("field {number} of an NMEA sentence, at byte {at}, is no {what}");
-    assert_eq!(fault("GPHDT,north,T"), of(1, 31, "number"));
+    let of = |number, at, what| format!("field {number} of an NMEA sentence, at byte {at}, is not {what}");
+    assert_eq!(fault("GPHDT,north,T"), of(1, 31, "a number"));
     for number in ["inf", "NaN", "1e3", "1.2.3", "-", "."] {
-        assert_eq!(fault(&format!("GPHDT,{number},T")), of(1, 31, "number"), "{number}");
+        assert_eq!(fault(&format!("GPHDT,{number},T")), of(1, 31, "a number"), "{number}");
     }
-    assert_eq!(fault("GPGGA,,4807.0,N,18131.0,E,1"), of(4, 41, "longitude"));
-    assert_eq!(fault("GPGGA,,9001.0,N,01131.0,E,1"), of(2, 32, "latitude"));
-    assert_eq!(fault("GPGGA,,4860.0,N,01131.0,E,1"), of(2, 32, "latitude"));
+    assert_eq!(fault("GPGGA,,4807.0,N,18131.0,E,1"), of(4, 41, "a longitude"));
+    assert_eq!(fault("GPGGA,,9001.0,N,01131.0,E,1"), of(2, 32, "a latitude"));
+    assert_eq!(fault("GPGGA,,4860.0,N,01131.0,E,1"), of(2, 32, "a latitude"));
     assert_eq!(fault("GPGGA,,4807.0,X,01131.0,E,1"), of(3, 39, "`N` or `S`"));
-    assert_eq!(fault("GPGGA,246000,,,,,1"), of(1, 31, "time"));
-    assert_eq!(fault("GPGGA,,,,,,12"), of(6, 36, "digit"));
-    assert_eq!(fault("GPGGA,,,,,,1,,,5.0,F"), of(10, 44, "unit `M`"));
-    assert_eq!(fault("GPVTG,,T,,M,,N,,K,x"), of(9, 43, "mode"));
+    assert_eq!(fault("GPGGA,246000,,,,,1"), of(1, 31, "a time"));
+    assert_eq!(fault("GPGGA,,,,,,12"), of(6, 36, "a digit"));
+    assert_eq!(fault("GPGGA,,,,,,1,,,5.0,F"), of(10, 44, "the unit `M`"));
+    assert_eq!(fault("GPVTG,,T,,M,,N,,K,x"), of(9, 43, "a mode"));
     assert!(read(&summed(&format!("GPGGA{}", ",".repeat(100_000)))).is_ok());
 }
 

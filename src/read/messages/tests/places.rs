@@ -1,4 +1,4 @@
-//! Standard types that say where something is, and where it is turned to: beyond those of every robot.
+//! Standard types with positions and orientations, beyond those of every robot.
 
 use super::{FORMS, Form, Known, Piece, STAMP_NS, decoder, floats, header, row, with};
 use crate::read::messages::content::{Body, Fix, MAX_PATH, Pose};
@@ -137,7 +137,7 @@ fn of_a_long_path_every_few_poses_are_kept_and_a_lying_count_ends_with_an_error(
         covariance: None,
     };
     assert_eq!(poses[1], (3_000_000_000, second));
-    // Behind the header of the path stands the count.
+    // The count follows the header of the path.
     let at = 4 + 8 + 4 + "map".len();
     message[at..at + 4].copy_from_slice(&[0xff; 4]);
     let error = decoder.decode(&message).unwrap_err().0;

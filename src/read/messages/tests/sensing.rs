@@ -262,7 +262,7 @@ fn too_many_of_anything_is_an_error() {
         let mut info = vec![header("map"), whole(1), whole(1), text("x"), Piece::Len(u32::MAX)];
         info.extend(with(header("map"), 50));
         let error = read("sensor_msgs/msg/CameraInfo", &info);
-        assert!(error.contains("coefficients of a distortion"), "{error}");
+        assert!(error.contains("distortion coefficients"), "{error}");
     }
 }
 
@@ -272,7 +272,7 @@ fn a_cloud_cut_anywhere_is_an_error_or_a_cloud_without_panic() {
         for pieces in [two_points([1, 2]), two_points([u32::MAX, u32::MAX])] {
             let message = form.write(&pieces);
             let decoder = decoder("/points", "sensor_msgs/msg/PointCloud2", form, "");
-            // The last byte tells whether all points are finite, and is not read.
+            // The last byte states whether all points are finite, and is not read.
             for end in 0..message.len() {
                 let read = decoder.decode(&message[..end]);
                 assert_eq!(read.is_ok(), end == message.len() - 1, "{form:?} {end}");

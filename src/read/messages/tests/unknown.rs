@@ -1,4 +1,4 @@
-//! Types that only their definition tells about: the header is found behind whatever stands before it.
+//! Types that are known only by their definition: the header is found after any other fields.
 
 use std::fmt::Write;
 
@@ -188,27 +188,27 @@ fn a_header_that_cannot_be_reached_is_said() {
     let cases = [
         (
             "wstring name\nstd_msgs/Header h\n",
-            "its header cannot be reached: `wstring` has no size that all writers agree on",
+            "its header cannot be read: the size of a `wstring` differs between writers",
         ),
         (
             "acme/Missing m\nstd_msgs/Header h\n",
-            "its header cannot be reached: there is no definition of acme/Missing",
+            "its header cannot be read: there is no definition of acme/Missing",
         ),
         (
             "uint8 x\n???\nstd_msgs/Header h\n",
-            "its definition is not understood: line 2: `???` is no field",
+            "its definition is not understood: line 2: `???` is not a field",
         ),
     ];
     for (own, why) in cases {
         assert_eq!(decoder("/t", "acme/Top", Form::Little, own).unread(), Some(why));
     }
     let broken = format!("Sub s\nstd_msgs/Header h\n{RULE}\nMSG: acme/Sub\nint8\n");
-    let why = "its header cannot be reached: acme/Sub is not understood: line 5: `int8` is no field";
+    let why = "its header cannot be read: acme/Sub is not understood: line 5: `int8` is not a field";
     assert_eq!(decoder("/t", "acme/Top", Form::Little, &broken).unread(), Some(why));
     let other = format!("std_msgs/Header h\n{RULE}\nMSG: std_msgs/Header\nint64 t\n");
-    let why = "the std_msgs/Header that is defined with it is not the published one";
+    let why = "its definition of std_msgs/Header differs from the published one";
     assert_eq!(decoder("/t", "acme/Top", Form::Little, &other).unread(), Some(why));
-    // What stands behind the header does no harm.
+    // Fields after the header do no harm.
     let behind = "std_msgs/Header h\nwstring name\nstring child_frame_id\n???\n";
     assert_eq!(decoder("/t", "acme/Top", Form::Little, behind).unread(), None);
 }

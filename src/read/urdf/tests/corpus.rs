@@ -1,4 +1,4 @@
-//! The reader over real files, where they are at hand.
+//! The reader over real files, where they are available.
 
 use std::path::{Path, PathBuf};
 

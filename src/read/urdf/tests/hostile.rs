@@ -124,7 +124,7 @@ fn a_list_of_many_numbers_is_kept_in_part() {
     assert_eq!(list.literals.len(), 64);
     assert_eq!(
         list.malformed.as_deref(),
-        Some("64 numbers or more are given, 3 needed")
+        Some("64 or more numbers are given, 3 needed")
     );
 }
 

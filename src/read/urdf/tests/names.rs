@@ -37,7 +37,7 @@ fn names_of_other_tools_are_kept_but_nothing_is_meant_by_them() {
         assert!(!read.robot().ignored.is_empty(), "{inside}");
         assert!(read.meant().is_empty(), "{inside}: {:?}", read.meant());
     }
-    // The lower triangle beside the upper one takes nothing away.
+    // The lower triangle next to the upper one does no harm.
     let inertia = r#"<inertia ixx="1" ixy="0" ixz="0" iyx="0" iyy="1" iyz="0" izx="0" izy="0" izz="1"/>"#;
     let text = format!("<robot name=\"r\"><link name=\"a\"><inertial>{inertia}</inertial></link></robot>");
     let read = read_text(&text);

@@ -26,9 +26,9 @@ fn lists_that_urdfdom_takes_are_sound() {
 #[test]
 fn lists_that_urdfdom_refuses_are_malformed_with_a_plain_reason() {
     for (value, reason) in [
-        ("0, 0, 1", "`0,`: a comma between numbers; separate them by blanks"),
-        ("0,0,1", "`0,0,1`: a comma between numbers; separate them by blanks"),
-        ("0;0;1", "`0;0;1`: a semicolon between numbers; separate them by blanks"),
+        ("0, 0, 1", "`0,`: a comma between numbers; separate them by spaces"),
+        ("0,0,1", "`0,0,1`: a comma between numbers; separate them by spaces"),
+        ("0;0;1", "`0;0;1`: a semicolon between numbers; separate them by spaces"),
         ("0,5 0 0", "`0,5` has a decimal comma; write a decimal point"),
         ("1 2", "2 numbers are given, 3 needed"),
         ("1", "1 number is given, 3 needed"),
@@ -41,9 +41,9 @@ fn lists_that_urdfdom_refuses_are_malformed_with_a_plain_reason() {
         ("--1 0 0", "`--1` is not a number"),
         (
             "\u{2212}1 0 0",
-            "`\u{2212}1` is not a number: U+2212 stands where a minus sign should",
+            "`\u{2212}1` is not a number: U+2212 instead of a minus sign",
         ),
-        ("0\u{a0}0 1", "`0\\u{a0}0` is not a number: it holds U+00A0"),
+        ("0\u{a0}0 1", "`0\\u{a0}0` is not a number: it contains U+00A0"),
     ] {
         let read = xyz(value);
         assert_eq!(read.malformed(), [(value, reason)]);
@@ -57,12 +57,12 @@ fn lists_that_urdfdom_refuses_are_malformed_with_a_plain_reason() {
     for value in ["0\t0\t1", "0 0\n1", "0 0 1\n"] {
         let read = xyz(value);
         assert!(
-            read.malformed()[0].1.contains("by blanks only"),
+            read.malformed()[0].1.contains("at spaces only"),
             "{value:?}: {:?}",
             read.malformed()
         );
     }
-    assert!(xyz("${x} 0 0").malformed()[0].1.contains("never expanded"));
+    assert!(xyz("${x} 0 0").malformed()[0].1.contains("unexpanded"));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn single_numbers_are_judged_too() {
     );
     assert_eq!(mass.robot().links[0].inertial.as_ref().unwrap().mass_kg, None);
     let trailing = link(r#"<inertial><mass value="2.5 "/></inertial>"#);
-    assert!(trailing.malformed()[0].1.starts_with("a blank behind"));
+    assert!(trailing.malformed()[0].1.starts_with("a trailing space"));
     let size = link(r#"<visual><geometry><box size="1 2"/></geometry></visual>"#);
     assert_eq!(size.malformed(), [("1 2", "2 numbers are given, 3 needed")]);
     let limit = read_text(&joint_with(r#"<limit lower="-1.57." upper="1"/>"#));

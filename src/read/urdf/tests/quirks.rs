@@ -99,7 +99,7 @@ fn what_is_no_robot_is_called_what_it_is() {
         ("<?xml version='1.0'?>\n<launch><node/></launch>", "a launch file"),
         ("<mujoco/>", "a MuJoCo model"),
         ("<Robot name='r'/>", "lower case"),
-        ("<svg/>", "no robot description"),
+        ("<svg/>", "not a robot description"),
         ("", "no XML element"),
         ("name: robot\n", "no XML element"),
     ] {

@@ -1,4 +1,4 @@
-//! One estimate in two frames: its covariance must turn with the frame.
+//! One estimate in two frames: its covariance must rotate with the frame.
 //!
 //! Owns which streams are one estimate. Judges for COV04.
 
@@ -17,7 +17,7 @@ use crate::rules::cov::cov_frame::limits::Limits;
 
 /// Rows of two streams are of one time within this, nanoseconds.
 const TOGETHER_NS: u64 = 20_000_000;
-/// Pairs of poses that tell how the frames lie to each other.
+/// Pairs of poses that determine the rotation between the frames.
 const MIN_POSES: usize = 50;
 /// Resultant from which two yaws differ by a constant.
 const CONSTANT: f64 = 0.9999;
@@ -85,7 +85,7 @@ fn one_estimate(a: &Stream<PoseRow>, b: &Stream<PoseRow>, limits: &Limits) -> Op
         .iter()
         .filter_map(|(a, b)| Some((difference(yaw(b.orientation)?, yaw(a.orientation)?), 1.0)));
     let turn = circular_mean(turns).filter(|mean| mean.resultant > CONSTANT)?;
-    // The ways between one pose and the next, in both frames.
+    // The steps from one pose to the next, in both frames.
     let rotation = Rotation2::new(turn.mean_rad);
     let (mut left, mut way) = (0.0, 0.0);
     for (before, after) in pairs.iter().zip(pairs.iter().skip(1)) {
@@ -104,12 +104,15 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
     let subject = format!("`pose.covariance` of {} and of {}", a.stream.subject, b.stream.subject);
     let turn_deg = turn_rad.to_degrees();
     if a.is_constant || b.is_constant {
-        return out.not_applicable(subject, "one constant matrix in all messages: numbers that were typed in");
+        return out.not_applicable(
+            subject,
+            "one constant matrix in all messages: hard-coded numbers do not rotate",
+        );
     }
-    // Half a turn leaves a covariance as it is.
+    // A rotation by 180 deg does not change a covariance.
     let quarter = turn_deg.abs().min(180.0 - turn_deg.abs());
     if quarter < limits.min_turn_deg {
-        let why = format!("the frames are turned by {turn_deg:.1} deg: a covariance is the same in both");
+        let why = format!("the frames are rotated by {turn_deg:.1} deg, which hardly changes a covariance");
         return out.too_little(subject, why);
     }
     let rotation = *Rotation2::new(turn_rad).matrix();
@@ -131,7 +134,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
     let [same, turned, told] = [same, turned, told].map(|sum| (sum / count as f64).sqrt());
     if count < 5 || told < 4.0 * limits.same_share {
         let why = format!(
-            "{count} matrices of one time, which the turn of {turn_deg:.0} deg changes by {:.0} %",
+            "too few or too round matrices: {count} at equal times, which the rotation of {turn_deg:.0} deg changes by {:.0} %",
             100.0 * told
         );
         return out.too_little(subject, why);
@@ -140,35 +143,38 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         Measured::new("difference of the covariances as published", same, "1")
             .limit(limits.same_share)
             .samples(count as u64),
-        Measured::new("difference once turned", turned, "1")
+        Measured::new("difference after the rotation", turned, "1")
             .limit(limits.same_share)
             .samples(count as u64),
-        Measured::new("turn between the frames", turn_deg, "deg"),
+        Measured::new("rotation between the frames", turn_deg, "deg"),
     ];
     if turned <= limits.same_share {
         return out.pass(subject, measured);
     }
     if same > limits.same_share {
         let why = format!(
-            "they differ by {:.0} % as published and by {:.0} % once turned: two different estimates of the error",
+            "they differ by {:.0} % as published and by {:.0} % after the rotation: two different error estimates",
             100.0 * same,
             100.0 * turned
         );
         return out.too_little(subject, why);
     }
     let message = format!(
-        "`{}` and `{}` are one track in two frames turned by {turn_deg:.1} deg, and their covariances are the same to {:.1} %: that of one \
-         of them was not turned with the pose, which would change it by {:.0} %",
-        a.stream.topic,
-        b.stream.topic,
+        "`{}` and `{}` have the same covariance in frames rotated by {turn_deg:.1} deg",
+        a.stream.topic, b.stream.topic
+    );
+    let detail = format!(
+        "They are one track in two frames. The covariances agree to {:.1} %, where the rotation would change them by {:.0} %: one was \
+         not rotated with its pose.",
         100.0 * same,
         100.0 * told
     );
     let finding = Finding::warning(subject, message, b.stream.place())
         .likely()
         .relation("not-rotated")
-        .label("the other frame")
-        .related(a.stream.place(), "the same covariance in this frame")
-        .help("with the pose turn its covariance: `C_b = R C_a R^T`, `R` being the rotation of the frames, for both blocks of three");
+        .label("the covariance in one frame")
+        .related(a.stream.place(), "the same covariance in the other frame")
+        .detail(detail)
+        .help("rotate the covariance with the pose: `C_b = R C_a R^T` for both 3x3 blocks, with `R` the rotation between the frames");
     out.fail(finding.measured(measured));
 }

@@ -1,4 +1,4 @@
-//! What is wrong with an origin by itself: it moves, it was a first fix without corrections, or nothing says where it is.
+//! What is wrong with an origin by itself: it moves, it was a first fix without corrections, or nothing states it.
 //!
 //! Owns these parts of GEO07.
 
@@ -45,7 +45,7 @@ fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mu
     let subject = format!("first and last origin by {}", origin.who);
     let apart = origin.at.enu_of(later);
     let distance_m = apart.norm();
-    let measured = Measured::new("farthest from the first one", distance_m, "m").limit(limits.warning_m);
+    let measured = Measured::new("largest distance from the first origin", distance_m, "m").limit(limits.warning_m);
     if distance_m <= limits.warning_m {
         return out.pass(subject, [measured]);
     }
@@ -55,8 +55,11 @@ fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mu
         Severity::Warning
     };
     let message = format!(
-        "the origin moves while it is recorded: {} first has {}, and later one {distance_m:.2} m away{}",
-        origin.who,
+        "{}: the origin moves by {distance_m:.2} m during the recording",
+        origin.who
+    );
+    let detail = format!(
+        "The first origin is {}; the farthest later one is offset from it{}.",
         told(origin),
         direction(&apart)
     );
@@ -64,7 +67,8 @@ fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mu
         Finding::new(severity, subject, message, origin.place.clone())
             .likely()
             .relation("origin-changed")
-            .help("what was mapped before lies elsewhere afterwards: set the origin once, and start a new map with a new one")
+            .detail(detail)
+            .help("set the origin once, and start a new map with a new origin: what was mapped before is shifted afterwards")
             .measured(measured),
     );
 }
@@ -75,58 +79,62 @@ fn judge_first_fix(origin: &LocalOrigin, fixes: &Stream<FixRow>, limits: &Limits
     let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
     let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
     let Some((first, place)) = first else {
-        return out.missing(subject, "no message has a fix");
+        return out.missing(subject, "no message has a fix (status >= 0)");
     };
     let distance_m = origin.at.enu_of(&place).xy().norm();
-    let measured = Measured::new("distance, level", distance_m, "m").limit(limits.copied_m);
+    let measured = Measured::new("horizontal distance", distance_m, "m").limit(limits.copied_m);
     if distance_m > limits.copied_m || first.row.status >= CORRECTED {
         return out.pass(subject, [measured]);
     }
     let better = valid().find(|timed| timed.row.status >= CORRECTED);
-    let head = format!(
-        "{} has the first fix of {} as its origin, which was made without corrections (status {})",
+    let message = format!(
+        "{}: origin is the first fix of {}, without corrections (status {})",
         origin.who, fixes.subject, first.row.status
     );
-    let (severity, message) = match better {
+    let (severity, detail) = match better {
         Some(better) => (
             Severity::Warning,
             format!(
-                "{head}; {:.0} s later the receiver has them (status {}): the map is off by what the first fix was",
+                "The receiver has corrections {:.0} s later (status {}): the map keeps the error of the first fix.",
                 better.t_s - first.t_s,
                 better.row.status
             ),
         ),
         None => (
             Severity::Note,
-            format!("{head}: the next drive gets another origin, metres away"),
+            "The next drive will have another origin, metres away.".to_owned(),
         ),
     };
     out.fail(
         Finding::new(severity, subject, message, origin.place.clone())
             .likely()
             .relation("first-fix")
+            .detail(detail)
             .related(fixes.place(), "the fixes")
-            .help("set the origin from a surveyed point or from a fix with corrections, and keep it with the map")
+            .help("set the origin from a surveyed point or a fix with corrections, and save it with the map")
             .measured(measured),
     );
 }
 
-/// A finding, where poses in `map` are expressed in east and north, and nothing says about which origin.
+/// A finding, where poses in `map` are expressed in east and north, and nothing states the origin.
 pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     let (turned_rad, within_rad) = track.turned_rad?;
     let turned_deg = turned_rad.to_degrees();
     if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
         return None;
     }
-    let message = format!(
-        "the map is expressed in east and north (turned by {turned_deg:.2} deg), with its origin at {} within {:.1} m by {}; nothing here says so",
+    let message =
+        format!("the map is expressed in east and north (rotated {turned_deg:.2} deg), but nothing states its origin");
+    let detail = format!(
+        "{} puts the origin at {}, within {:.1} m.",
+        track.who,
         told(track),
-        track.within_m,
-        track.who
+        track.within_m
     );
     let finding = Finding::note("origin", message, track.place.clone()).likely();
     let finding = finding
         .relation("missing")
-        .help("record a transform from `earth` or the origin's topic, or keep its file beside the recording");
-    Some(finding.measured(Measured::new("turned from east", turned_deg, "deg").limit(limits.aligned_deg)))
+        .detail(detail)
+        .help("record a transform from `earth` or the origin's topic, or keep the origin's file with the recording");
+    Some(finding.measured(Measured::new("rotation from east", turned_deg, "deg").limit(limits.aligned_deg)))
 }

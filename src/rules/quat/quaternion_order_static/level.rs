@@ -1,6 +1,6 @@
-//! The order of the four numbers in recordings, by a platform that stays level while it turns.
+//! The quaternion order in recordings, by a platform that stays level while it turns.
 //!
-//! Owns the judgement of QUAT02 on streams. Where a gyro decides, this is not asked.
+//! Owns the judgement of QUAT02 on streams, except where a gyro decides.
 
 use crate::analysis::Estimates;
 use crate::analysis::quat::level::{Order, Tilts, is_platform};
@@ -23,7 +23,7 @@ pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
     for (imu, sensor) in sensors.each(&motion) {
         judge_sensor(imu, sensor, limits, out);
     }
-    let mut told: BTreeMap<(SourceId, FrameId, FrameId), String> = BTreeMap::new();
+    let mut reported: BTreeMap<(SourceId, FrameId, FrameId), String> = BTreeMap::new();
     for stream in motion
         .bags
         .iter()
@@ -35,20 +35,20 @@ pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
             out.not_evaluated(
                 subject,
                 NotEvaluated::InputBroken,
-                "none of its orientations is a rotation",
+                "none of its orientations is a valid quaternion",
             );
             continue;
         };
         let pair = stream.frame.clone().zip(stream.child.clone());
         let pair = pair.map(|(frame, child)| (stream.source, frame, child));
-        let known = pair.as_ref().and_then(|pair| told.get(pair));
+        let known = pair.as_ref().and_then(|pair| reported.get(pair));
         if let (Order::Wrong, Some(known)) = (tilts.order(limits), known) {
             let same = |finding: Finding| finding.same_cause_as(known);
             judge_tilts(subject, &stream.topic, stream.place(), &tilts, same, limits, out);
             continue;
         }
         if let (Order::Wrong, Some(pair)) = (tilts.order(limits), pair) {
-            told.insert(pair, subject.clone());
+            reported.insert(pair, subject.clone());
         }
         judge_tilts(
             subject,
@@ -68,14 +68,14 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
         return out.not_applicable(subject, why);
     }
     if sensor.turn.is_ok() {
-        return out.not_applicable(subject, "its gyro decides: level or not, it turns as the gyro has it or not");
+        return out.not_applicable(subject, "its gyro decides the order (QUAT01)");
     }
     let slots = || imu.stream.rows().map(|timed| timed.row.orientation);
     let Some(tilts) = Tilts::of(slots, &imu.base_from_imu()) else {
         return out.not_evaluated(
             subject,
             NotEvaluated::InputBroken,
-            "none of its orientations is a rotation",
+            "none of its orientations is a valid quaternion",
         );
     };
     let better = |finding| defer(&sensor.diagnosis, imu, None, finding).unless(codes::AXES03);
@@ -104,17 +104,20 @@ fn judge_tilts(
         Order::Unknown(why) => out.too_little(subject, why),
         Order::Wrong => {
             let message = format!(
-                "the {subject} is w, x, y, z: so read it stays within {:.0} deg of level while it turns by {:.0} deg, as published \
-                 it is tilted by up to {:.0} deg (the inverse would be as level)",
+                "`{topic}`: quaternion is in the order w, x, y, z (tilted by up to {:.0} deg as published)",
+                tilts.published.tilt_rad.to_degrees(),
+            );
+            let detail = format!(
+                "Read as w, x, y, z it stays within {:.0} deg of level while it rotates by {:.0} deg; the inverse would be as level.",
                 tilts.reordered.tilt_rad.to_degrees(),
                 tilts.reordered.turned_rad.to_degrees(),
-                tilts.published.tilt_rad.to_degrees(),
             );
             let finding = Finding::warning(subject, message, place)
                 .likely()
                 .relation("wxyz")
+                .detail(detail)
                 .help(format!(
-                    "write the four numbers on `{topic}` as x, y, z, w: the last one is the scalar"
+                    "publish the quaternion on `{topic}` as x, y, z, w: the scalar comes last"
                 ));
             out.fail(better(
                 finding.measured(tilts.measured(limits)),

@@ -1,4 +1,4 @@
-//! What SENSOR08 says of a yaw: its numbers, and the finding where it grows clockwise.
+//! What SENSOR08 reports of a yaw: its numbers, and the finding where it grows clockwise.
 
 use crate::analysis::motion::Stream;
 use crate::verdict::{Finding, Measured};
@@ -7,7 +7,7 @@ use crate::world::motion::Row;
 use crate::analysis::sensor::yaw_zero::Found;
 use crate::analysis::sensor::yaw_zero::Limits;
 
-/// Where the zero of a yaw is that grows clockwise, degrees from north where that is worth telling.
+/// Where the zero of a yaw is that grows clockwise, in degrees from north.
 enum Zero {
     North(f64),
     East,
@@ -46,21 +46,21 @@ impl Found {
         }
     }
 
-    /// Why a yaw that grows clockwise is none that is known: its zero is neither in the north nor in the east. What is no more than
-    /// that may be chance, and no fault has a name for it.
+    /// Why a yaw that grows clockwise matches no known convention: its zero is neither north nor east. It may be chance, and no known fault
+    /// explains it.
     pub(crate) fn stray(&self, limits: &Limits) -> Option<String> {
         let zero = match self.zero(limits) {
             Zero::North(_) | Zero::East => return None,
-            Zero::Elsewhere(deg) => format!("has its zero {deg:.0} deg from north"),
-            Zero::Unsteady => "has no steady zero".to_owned(),
+            Zero::Elsewhere(deg) => format!("its zero is {deg:.0} deg from north"),
+            Zero::Unsteady => "its zero is not constant".to_owned(),
         };
         Some(format!(
-            "the yaw grows clockwise with {}, and {zero}: no heading is told so",
+            "compared with {}, the yaw grows clockwise, and {zero}: no known convention explains that",
             self.other
         ))
     }
 
-    /// What a yaw that grows clockwise is.
+    /// The finding for a yaw that grows clockwise.
     pub(crate) fn finding<R: Row>(
         &self,
         stream: &Stream<R>,
@@ -68,30 +68,37 @@ impl Found {
         turns: &crate::analysis::axes::heading::Limits,
         limits: &Limits,
     ) -> Finding {
-        let (relation, what) = match self.zero(limits) {
+        let (relation, what, detail) = match self.zero(limits) {
             Zero::North(deg) => (
                 "compass-yaw",
-                format!("it is a compass heading, clockwise from north, off by {deg:.1} deg"),
+                format!("is a compass heading, clockwise from north (off by {deg:.1} deg)"),
+                "",
             ),
             Zero::East => (
                 "clockwise-yaw",
-                "it counts from east as REP-103 does, but clockwise: the quaternion is the inverse one, or its yaw is negated"
-                    .to_owned(),
+                "is clockwise from east, not counter-clockwise as in REP-103".to_owned(),
+                " Either the quaternion is the inverse, or its yaw is negated.",
             ),
-            Zero::Elsewhere(deg) => ("clockwise-yaw", format!("its zero is {deg:.0} deg from north")),
-            Zero::Unsteady => ("clockwise-yaw", "where its zero is cannot be told from that".to_owned()),
+            Zero::Elsewhere(deg) => (
+                "clockwise-yaw",
+                format!("grows clockwise, and its zero is {deg:.0} deg from north"),
+                "",
+            ),
+            Zero::Unsteady => (
+                "clockwise-yaw",
+                "grows clockwise".to_owned(),
+                " The comparison does not show where its zero is.",
+            ),
         };
-        let message = format!(
-            "the yaw of `{}` grows clockwise with {}: {what} ({} samples)",
-            stream.topic, self.other, self.samples
-        );
+        let message = format!("`{}`: yaw {what}", stream.topic);
         let finding = Finding::error(subject, message, stream.place())
             .likely()
             .relation(relation)
-            .related(self.other_at.clone(), "what it was held against")
+            .related(self.other_at.clone(), "compared with this")
+            .detail(format!("Compared with {}.{detail}", self.other))
             .help(
-                "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading` (the topic `heading` of \
-                 nmea_navsat_driver holds the compass heading itself)",
+                "publish `yaw_ros = pi/2 - heading`: REP-103 counts yaw counter-clockwise from east. The topic `heading` of \
+                 nmea_navsat_driver holds the compass heading itself",
             );
         let finding = stream.expressed_in.tell(finding);
         finding.measured(self.measured(turns))

@@ -1,4 +1,4 @@
-//! What the data of a dataset show of up, against its conventions: accelerometers and the ground under lidars. Part of SENSOR10.
+//! Which way is up by the data, compared with the dataset: accelerometers, and the ground under lidars. Part of SENSOR10.
 
 use crate::analysis::Estimates;
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use crate::world::NamedDataset;
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
 
-/// Judges what the profile knows; how many streams that are.
+/// Judges the streams of frames that the dataset has, and returns their number.
 pub(crate) fn judge(world: &Estimates, dataset: &NamedDataset, limits: &Limits, out: &mut Judge) -> usize {
     let mut count = 0;
     for bag in &Motion::of(world).bags {
@@ -59,7 +59,7 @@ fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &L
     }
     let off = mean.angle(&up(frame)).to_degrees();
     let measured = Measured::new(
-        format!("acceleration from up as {} has it", dataset.row.name),
+        format!("angle of the acceleration from up of {}", dataset.row.name),
         off,
         "deg",
     )
@@ -69,13 +69,13 @@ fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &L
         return out.pass(subject, [measured]);
     }
     let message = format!(
-        "the acceleration on `{}` at rest is {off:.0} deg from up: {} has its axes as {}",
+        "`{}`: mean acceleration is {off:.0} deg from up by the axes of {} ({})",
         imu.stream.topic, dataset.row.name, frame.axes.word
     );
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("axes")
-        .help("play the recording as it was published; a conversion of axes was applied, or the frame has another one's name")
+        .help("use the data as published, or correct the name of the frame: probably its axes were converted, or it has the name of another frame")
         .measured(measured);
     out.fail(match &dataset.place {
         Some(place) => finding.related(place.clone(), "named here"),
@@ -99,20 +99,17 @@ fn judge_cloud(
     let Some((axis, word)) = SIDES.get(side) else { return };
     let off = Vector3::from(*axis).angle(&up(frame)).to_degrees();
     if off < 1.0 {
-        let what = format!(
-            "angle of {word}, which is up by the ground, from up as {} has it",
-            dataset.row.name
-        );
+        let what = format!("angle of {word} (up by the ground) from up of {}", dataset.row.name);
         return out.pass(subject, [Measured::new(what, off, "deg").limit(45.0)]);
     }
     let message = format!(
-        "the ground on `{}` lies opposite to {word}, {off:.0} deg from where {} has it: its axes are {}",
+        "`{}`: the ground is opposite to {word}, {off:.0} deg off the axes of {} ({})",
         clouds.topic.topic, dataset.row.name, frame.axes.word
     );
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .unless(codes::AXES10)
         .help("convert the clouds to the axes of the dataset, or name another frame")
-        .measured(Measured::new("angle of up from the dataset's", off, "deg").limit(45.0));
+        .measured(Measured::new("angle from up of the dataset", off, "deg").limit(45.0));
     out.fail(finding);
 }

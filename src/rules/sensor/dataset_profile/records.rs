@@ -1,4 +1,4 @@
-//! Records of a dataset that name no frames: their quaternions against the sensors that the dataset has. Part of SENSOR10.
+//! Records of a dataset that name no frames: their quaternions compared with the sensors of the dataset. Part of SENSOR10.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -9,7 +9,7 @@ use crate::world::{Claim, FrameId, NamedDataset, Spelling, World};
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
 
-/// Judges the records of tables such as `calibrated_sensor.json`; how many there are.
+/// Judges the records of tables such as `calibrated_sensor.json`, and returns their number.
 pub(crate) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out: &mut Judge) -> usize {
     // Such tables are read as w, x, y, z.
     if dataset.row.quaternion != Some(QuaternionWord::Wxyz) {
@@ -44,7 +44,7 @@ fn judge_record(
     let unit = |w: f64, x: f64, y: f64, z: f64| UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9);
     // As read; and with the four slots of the file taken in the other order.
     let (Some(read), Some(other)) = (unit(w, x, y, z), unit(z, w, x, y)) else {
-        return out.not_evaluated(subject, NotEvaluated::InputBroken, "its quaternion is none");
+        return out.not_evaluated(subject, NotEvaluated::InputBroken, "its quaternion has zero norm");
     };
     let [off, other_off] = [read, other].map(|turn| tilt_deg(&turn, row));
     let word = "w, x, y, z";
@@ -55,11 +55,11 @@ fn judge_record(
             "deg",
         )
         .limit(limits.max_off_deg),
-        Measured::new("the same in the other order", other_off, "deg"),
+        Measured::new("tilt in the other order", other_off, "deg"),
     ];
     if off <= limits.max_off_deg && other_off <= limits.max_off_deg {
         let why = format!(
-            "it stands as a sensor of {} does in either order of its quaternion",
+            "its tilt matches a sensor of {} in both orders of its quaternion",
             row.name
         );
         return out.too_little(subject, why);
@@ -69,23 +69,26 @@ fn judge_record(
     }
     if other_off > limits.max_off_deg {
         let why = format!(
-            "it stands as no sensor of {} does, in either order of its quaternion",
+            "its tilt matches no sensor of {} in either order of its quaternion",
             row.name
         );
         return out.too_little(subject, why);
     }
     let message = format!(
-        "{subject}: {} tells quaternions as {word}, and read so it is {off:.0} deg from any of its sensors; in the other order it is {other_off:.0} deg from one",
+        "`{}`: quaternion of `{}` is not in the order {word} of {} ({off:.0} deg off)",
+        world.path(claim.place.source),
+        claim.label,
         row.name
     );
     let finding = Finding::error(subject, message, claim.place.clone())
         .likely()
         .relation("quaternion-order")
-        .help(format!("write quaternions as {word}"));
+        .detail("In the other order its tilt matches a sensor of the dataset.")
+        .help(format!("write the quaternion as {word}"));
     out.fail(finding.measured(measured));
 }
 
-/// The angle between what is upright in the vehicle and what is upright in the sensor of the dataset that stands most like it.
+/// The angle between up of the vehicle and up of the sensor of the dataset with the most similar tilt.
 fn tilt_deg(vehicle_from_sensor: &UnitQuaternion<f64>, row: &Dataset) -> f64 {
     let up = vehicle_from_sensor.inverse() * Vector3::z();
     let tilts = row.frames.iter().map(|frame| {

@@ -1,4 +1,4 @@
-//! Transforms that a lidar's driver applies to every point, and TF applies again. Part of SENSOR03.
+//! Transforms that a lidar's driver applies to every point, and that TF applies again. Part of SENSOR03.
 
 use crate::analysis::cross::pair::Statement;
 use crate::analysis::cross::statements::statements;
@@ -20,7 +20,7 @@ pub(crate) fn judge(world: &World, limits: &Limits, out: &mut Judge) {
     }
 }
 
-/// The lidars whose drivers read such a claim; none where it is not one of a driver.
+/// The lidars whose drivers read such a claim; none where it is not of a driver.
 fn drivers<'w>(world: &'w World, claim: &Claim) -> Vec<&'w Lidar> {
     let names_none = match claim.kind {
         ClaimKind::File { roles, .. } => roles || claim.frames.is_none(),
@@ -50,7 +50,7 @@ fn judge_claim(
 ) {
     let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
     let Some(pose) = claim.pose.as_ref().map(crate::world::Pose::isometry) else {
-        return out.not_evaluated(subject, NotEvaluated::InputBroken, "its numbers make no transform");
+        return out.not_evaluated(subject, NotEvaluated::InputBroken, "its numbers are no valid transform");
     };
     let size = [
         Measured::new(
@@ -71,7 +71,7 @@ fn judge_claim(
         left.translation.vector.norm() <= limits.same_m && left.rotation.angle().to_degrees() <= limits.same_deg
     };
     if is_same(&nalgebra::Isometry3::identity()) {
-        // Nothing is applied, so that nothing can be applied twice.
+        // Nothing is applied, so nothing can be applied twice.
         return out.pass(subject, size);
     }
     let named = |statement: &Statement| {
@@ -88,7 +88,7 @@ fn judge_claim(
     if of_it.is_empty() {
         let names: Vec<&str> = lidars.iter().map(|lidar| lidar.name.as_str()).collect();
         let why = format!(
-            "the driver ({}) applies it to every point, and no mounting of such a frame stands beside it",
+            "the driver ({}) applies it to every point, but TF and URDF have no mounting of such a frame to compare with",
             names.join(" or ")
         );
         return out.missing(subject, why);
@@ -97,17 +97,21 @@ fn judge_claim(
         return out.pass(subject, size);
     };
     let message = format!(
-        "the driver of {} applies `{}` to every point already{}, and {} says the same of `{}_from_{}`: it is applied twice",
-        lidar.name,
+        "`{}`: `{}` is applied twice: by the {} driver and as `{}_from_{}`",
+        world.path(claim.place.source),
         claim.label,
+        lidar.name,
+        twice.target,
+        twice.source_frame
+    );
+    let detail = format!(
+        "The driver applies it to every point{}, and {} states the same transform.",
         if lidar.transform_by_setting {
-            " where its transform is switched on"
+            " if its transform is switched on"
         } else {
             ""
         },
-        twice.who,
-        twice.target,
-        twice.source_frame
+        twice.who
     );
     let finding = Finding::error(subject, message, claim.place.clone());
     let finding = if lidar.transform_by_setting {
@@ -118,7 +122,8 @@ fn judge_claim(
     let finding = finding
         .relation("applied-twice")
         .related(twice.place.clone(), "applied again here")
-        .help("set the transform of the driver to zero, and leave the mounting to TF; the inertial sensor of the device is not transformed by it");
+        .detail(detail)
+        .help("set the transform of the driver to zero, and keep the mounting in TF. The driver does not transform the IMU of the device");
     out.fail(finding.measured(size));
 }
 

@@ -1,4 +1,4 @@
-//! The beams of an Ouster as its metadata have them: where they begin, and how many there are. Part of SENSOR02.
+//! The beams of an Ouster by its metadata: where they begin, and how many there are. Part of SENSOR02.
 
 use crate::analysis::ouster::Part;
 use crate::tables::OusterPart;
@@ -7,7 +7,7 @@ use crate::verdict::{Finding, Measured};
 use crate::world::{OusterMetadata, World};
 use serde::Deserialize;
 
-/// Judges the beams of every metadata.
+/// Judges the beams of all metadata.
 pub(crate) fn judge(world: &World, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
     for metadata in &world.ousters {
         judge_origin(world, metadata, parts, limits, out);
@@ -15,14 +15,14 @@ pub(crate) fn judge(world: &World, parts: &[Part<'_>], limits: &Limits, out: &mu
     }
 }
 
-/// `lidar_origin_to_beam_origin_mm` against `beam_to_lidar_transform`, else against what sensors of the model have.
+/// `lidar_origin_to_beam_origin_mm` compared with `beam_to_lidar_transform`, else with sensors of the same model.
 fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
     let subject = format!(
         "`lidar_origin_to_beam_origin_mm` in {}",
         world.path(metadata.place.source)
     );
     let Some(stated) = &metadata.beam_origin_mm else {
-        let why = "the metadata do not say how far from the axis the beams begin, as firmware before 2.0 does not";
+        let why = "the metadata do not have this key, as with firmware before 2.0";
         return out.missing(subject, why);
     };
     let is_beside =
@@ -38,7 +38,8 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
     };
     let off = |known: &(f64, String)| (known.0 - stated.value).abs();
     let Some(nearest) = known.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else {
-        let why = "no metadata of this model are in the table, and no `beam_to_lidar_transform` stands beside it";
+        let why =
+            "the table has no metadata of this model, and the file has no `beam_to_lidar_transform` to compare with";
         return out.missing(subject, why);
     };
     let measured = Measured::new("difference", off(nearest), "mm").limit(limits.max_beam_mm);
@@ -46,15 +47,18 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
         return out.pass(subject, [measured]);
     }
     let message = format!(
-        "{subject} is {:.3} mm, and {} has {:.3} mm",
-        stated.value, nearest.1, nearest.0
+        "`{}`: `lidar_origin_to_beam_origin_mm` is {:.3} mm, but {} has {:.3} mm",
+        world.path(metadata.place.source),
+        stated.value,
+        nearest.1,
+        nearest.0
     );
     let finding = if relation == "place" {
         Finding::warning(subject, message, stated.place.clone()).hint()
     } else {
         Finding::error(subject, message, stated.place.clone()).likely()
     };
-    let help = "take the metadata from the sensor again: points are off by that much towards the axis";
+    let help = "read the metadata from the sensor again. With this value points are shifted by the difference, towards the axis";
     out.fail(finding.relation(relation).help(help).measured(measured));
 }
 
@@ -62,7 +66,7 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
 fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
     let subject = format!("angles of the beams in {}", world.path(metadata.place.source));
     let (Some(azimuths), Some(altitudes)) = (&metadata.azimuths, &metadata.altitudes) else {
-        return out.missing(subject, "`beam_azimuth_angles` and `beam_altitude_angles` do not both stand there");
+        return out.missing(subject, "`beam_azimuth_angles` or `beam_altitude_angles` is missing");
     };
     let rows = metadata.rows.unwrap_or(azimuths.count);
     let [a, b] = [azimuths.count, altitudes.count];
@@ -72,27 +76,28 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
         Measured::count("altitudes of beams", b as usize).limit(f64::from(rows)),
     ];
     let broken = azimuths.broken + altitudes.broken;
-    // A tilt of more than a quarter turn is no tilt.
+    // An altitude beyond 90 deg is not in degrees.
     let is_tilt = altitudes.range_deg.iter().all(|angle| angle.abs() <= 90.0);
     if a == rows && b == rows && broken == 0 && is_tilt {
         return out.pass(subject, measured);
     }
     let (what, place) = if broken > 0 {
-        (format!("{broken} of them are no numbers"), azimuths)
+        (format!("{broken} beam angles are not numbers"), azimuths)
     } else if let Some((key, count)) = counts.into_iter().find(|(_, count)| *count != rows) {
         let place = if a == rows { altitudes } else { azimuths };
-        (format!("{key} holds {count}, where the sensor has {rows} rows"), place)
+        (format!("{key} has {count} angles for {rows} rows"), place)
     } else {
         let [low, high] = altitudes.range_deg;
         (
-            format!("altitudes reach from {low} to {high} deg: of radians or other units"),
+            format!("beam altitudes from {low} to {high} are not in degrees"),
             altitudes,
         )
     };
-    let finding = Finding::error(subject.clone(), format!("{subject}: {what}"), place.place.clone())
+    let message = format!("`{}`: {what}", world.path(metadata.place.source));
+    let finding = Finding::error(subject, message, place.place.clone())
         .likely()
         .relation("beam-angles")
-        .help("take the metadata from the sensor again: a consumer turns every column by these angles");
+        .help("read the metadata from the sensor again: all points are computed with these angles");
     out.fail(finding.measured(measured));
 }
 

@@ -5,24 +5,24 @@ use crate::source::Confidence;
 use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, Severity};
 
-
 use crate::analysis::time::streams::{Clock, Stream, UPTIME_BELOW_S};
 
-/// Streams count from one start, and no other shows calendar time: no sensor's clock is odd, and stamps agree with each
-/// other.
+/// Rewrites the finding for streams that count from one start, where none shows calendar time: no sensor has a clock of its own, and the
+/// stamps agree with each other.
 pub(crate) fn tell_simulation(finding: &mut Finding, streams: usize) {
     let stamp_s = finding.measured.first().map_or(0.0, |median| median.value);
     finding.severity = Severity::Note;
     finding.confidence = finding.confidence.min(Confidence::Likely);
-    finding.message = format!(
-        "{streams} streams are stamped near {stamp_s:.1} s, beside a log in calendar time: a simulation recorded in wall \
-         time, or a host whose clock was not set; played back with a clock, look-ups find no transforms"
-    );
+    finding.message =
+        format!("{streams} streams have stamps near {stamp_s:.1} s, but the log clock shows calendar time");
+    "Probably a simulation recorded in wall time, or a host whose clock was not set. Look-ups find no transforms when the recording is \
+     played back with a clock."
+        .clone_into(&mut finding.detail);
     "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
         .clone_into(&mut finding.help);
 }
 
-/// In simulated time stamps count from the start of the simulation; calendar stamps beside it are of another clock.
+/// In simulated time stamps count from the start of the simulation; calendar stamps are from another clock.
 pub(crate) fn judge_simulated(stream: &Stream<'_>, others: &[Stream<'_>], measured: Measured, out: &mut Judge) {
     let simulated = counting(others);
     let data = others.iter().filter(|other| is_data(other)).count();
@@ -30,18 +30,18 @@ pub(crate) fn judge_simulated(stream: &Stream<'_>, others: &[Stream<'_>], measur
         return out.pass(stream.subject.clone(), [measured]);
     }
     if !is_data(stream) {
-        let why = "messages of this type may be stamped by a wall clock beside a simulation";
+        let why = "messages of this type may have wall-clock stamps in a simulation";
         return out.not_applicable(stream.subject.clone(), why);
     }
     let message = format!(
-        "stamps on {} are calendar time, but the recording runs in simulated time",
+        "{}: stamps are calendar time, but the recording runs in simulated time",
         stream.subject
     );
     out.fail(
         Finding::error(stream.subject.clone(), message, stream.place())
             .likely()
             .label("first stamp")
-            .help("set `use_sim_time` for the node that publishes it")
+            .help("set `use_sim_time` to true for the node that publishes it")
             .measured(Measured::new("median stamp", stream.median_stamp_s().unwrap_or(0.0), "s").limit(UPTIME_BELOW_S))
             .measured(Measured::count("streams in simulated time", simulated)),
     );

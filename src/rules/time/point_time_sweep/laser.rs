@@ -19,7 +19,7 @@ pub(crate) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
     };
     let usable: Vec<&LaserScanAt> = laser.scans.iter().filter(usable).collect();
     if usable.is_empty() {
-        let why = "no scan has two rays, angles that are numbers, and a step between them";
+        let why = "no scan has at least two rays, finite angles and an `angle_increment` other than zero";
         return out.not_evaluated(subject, NotEvaluated::InputBroken, why);
     }
     let span = |scan: &LaserScanAt| scan.angles[1] - scan.angles[0];
@@ -37,24 +37,23 @@ pub(crate) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
     .samples(off.len() as u64);
     let backward = usable.iter().find(|scan| is_back(scan));
     let beside = usable.iter().find(|scan| steps(scan) > most);
-    let (relation, scan, message) = match (backward, beside) {
+    let (relation, scan, detail) = match (backward, beside) {
         (Some(scan), _) if half(usable.iter().filter(|scan| is_back(scan)).count()) => (
             "direction",
             scan,
-            "by `angle_increment` the rays lead away from `angle_max`: whoever takes the increment sees the mirror image of what he \
-             sees who takes the two angles",
+            "`angle_increment` leads away from `angle_max`: consumers that use the increment see the mirror image of what consumers of the two \
+             angles see.",
         ),
         (_, Some(scan)) if half(off.iter().filter(|off| **off > most).count()) => (
             "span",
             scan,
-            "by `angle_increment` the last ray is not at `angle_max`: consumers that take the one and that take the other see walls in \
-             different directions",
+            "Consumers that use `angle_increment` and consumers that use `angle_max` see walls in different directions.",
         ),
         _ => return out.pass(subject, [measured]),
     };
     let [first, last, step] = scan.angles.map(f64::to_degrees);
     let message = format!(
-        "on `{}` {} rays from {first:.2} to {last:.2} deg are {step:.4} deg apart, which leads to {:.2} deg: {message}",
+        "`{}`: {} rays of {step:.4} deg from {first:.2} deg end at {:.2} deg; `angle_max` is {last:.2} deg",
         scans.topic.topic,
         scan.rays,
         first + by_rays(scan).to_degrees()
@@ -63,6 +62,7 @@ pub(crate) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
         .likely()
         .relation(relation)
         .measured(measured)
-        .help("let `angle_max` be angle_min + angle_increment * (rays - 1), and the ranges stand in that order");
+        .detail(detail)
+        .help("set `angle_max` to angle_min + angle_increment * (rays - 1), with the ranges in that order");
     out.fail(finding);
 }

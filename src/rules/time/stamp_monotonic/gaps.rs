@@ -16,22 +16,22 @@ struct Gap {
     finding: Finding,
 }
 
-/// Reports the gaps of a recording's streams; gaps at one time are told once. Returns the subjects that have one.
+/// Reports the gaps of a recording's streams; gaps at the same time make one finding. Returns the subjects that have one.
 pub(crate) fn judge_gaps(streams: &[&Stream<'_>], limits: &Limits, out: &mut Judge) -> Vec<String> {
     let mut gaps: Vec<Gap> = streams.iter().filter_map(|stream| gap(stream, limits)).collect();
     let subjects = gaps.iter().map(|gap| gap.finding.subject.clone()).collect();
-    // The order of streams decides who speaks; the sort is stable.
+    // The order of streams decides which one makes the finding; the sort is stable.
     gaps.sort_by_key(|gap| gap.from_ns);
     let mut until_ns = i64::MIN;
     let mut together: Vec<Finding> = Vec::new();
     for gap in gaps {
         if gap.from_ns >= until_ns {
-            tell_once(std::mem::take(&mut together), "stop at that time too", out);
+            tell_once(std::mem::take(&mut together), "have a gap at that time too", out);
         }
         until_ns = until_ns.max(gap.until_ns);
         together.push(gap.finding);
     }
-    tell_once(together, "stop at that time too", out);
+    tell_once(together, "have a gap at that time too", out);
     subjects
 }
 
@@ -58,7 +58,7 @@ fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Gap> {
         return None;
     }
     let what = format!(
-        "{} has a gap of {gap_s:.2} s, at {:.1} messages a second otherwise",
+        "{}: gap of {gap_s:.2} s in the stamps, otherwise {:.1} Hz",
         stream.subject,
         1.0 / step_s
     );
@@ -67,8 +67,8 @@ fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Gap> {
         .likely()
         .label("first message after the gap")
         .help(
-            "look for dropped messages, a stalled driver or machine, or a recorder that fell behind; look-ups in the gap \
-             fail or interpolate over it",
+            "look for dropped messages, a stalled driver or machine, or a slow recorder. tf2 look-ups in the gap fail, or \
+             interpolate across it",
         )
         .measured(Measured::new("largest gap", gap_s, "s").limit(limits.gap_s).samples(stamps.count))
         .measured(Measured::new("median step", step_s, "s"));

@@ -9,10 +9,10 @@ use crate::analysis::time::naming::Naming;
 use crate::analysis::time::streams::Stream;
 use crate::analysis::time::trend::{Drift, change, drift};
 
-/// The kinds of fault, in the order they are told.
+/// The kinds of fault, in the order of the findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
-    /// The stamps' seconds are no seconds.
+    /// The stamps advance at another rate than seconds.
     Rate,
     /// The offset grows.
     Drift,
@@ -30,7 +30,7 @@ pub(crate) struct Fault {
     pub(crate) finding: Finding,
 }
 
-/// All faults of a stream. One that runs at another rate has no offset to speak of.
+/// All faults of a stream. One that runs at another rate has no constant offset.
 pub(crate) fn faults(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Vec<Fault> {
     let steady = drift(stream).filter(|drift| drift.gained_s().abs() > limits.margin * drift.residual_s);
     if let Some(found) = steady.and_then(|drift| rate(stream, drift, limits)) {
@@ -40,7 +40,7 @@ pub(crate) fn faults(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) 
         return Vec::new();
     }
     let drifting = steady.and_then(|drift| drifting(stream, drift, limits));
-    // The offset of a clock that drifts is whatever it has drifted to.
+    // The offset of a drifting clock only shows how far it has drifted.
     let offset = offset(stream, naming, limits).filter(|_| drifting.is_none());
     [drifting, step(stream, limits), offset].into_iter().flatten().collect()
 }
@@ -50,18 +50,18 @@ fn rate(stream: &Stream<'_>, drift: Drift, limits: &Limits) -> Option<Fault> {
         return None;
     }
     let message = format!(
-        "stamps on {} advance {:.3} s in each second of the log clock, over {:.0} s",
+        "{}: stamps advance {:.3} s per second of the log clock, over {:.0} s",
         stream.subject,
         1.0 + drift.rate,
         drift.span_s
     );
     let finding = Finding::error(stream.subject.clone(), message, stream.place())
         .help(
-            "look at how the driver makes the stamp: digits of hours and minutes taken for seconds, a counter's unit, or a \
-             recording played at another speed",
+            "check how the driver computes the stamp. Usual causes: digits of hours and minutes read as seconds, a wrong unit of a counter, \
+             or a recording that was played back at another speed",
         )
         .measured(
-            Measured::new("rate of the stamps, less 1", drift.rate, "1")
+            Measured::new("rate of the stamps minus 1", drift.rate, "1")
                 .limit(limits.rate)
                 .samples(stream.stamps.count),
         );
@@ -83,17 +83,17 @@ fn drifting(stream: &Stream<'_>, drift: Drift, limits: &Limits) -> Option<Fault>
         (Severity::Warning, limits.drift_ppm)
     };
     let message = format!(
-        "stamps on {} drift against the log clock by {ppm:+.0} ppm: {gained_s:+.3} s in {:.0} s",
+        "{}: stamps drift by {ppm:+.0} ppm from the log clock ({gained_s:+.3} s in {:.0} s)",
         stream.subject, drift.span_s
     );
     let finding = Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
         .help(
-            "synchronise the clock that stamps (PTP, PPS, NTP); stamps that only fall behind may also wait in a queue that \
-             grows",
+            "synchronise the clock that stamps (PTP, PPS, NTP). Where stamps only fall behind, a growing queue may delay the \
+             messages instead",
         )
         .measured(Measured::new("drift", ppm, "ppm").limit(limit).samples(stream.stamps.count))
-        .measured(Measured::new("gained", gained_s, "s").spread(drift.residual_s));
+        .measured(Measured::new("drift over the recording", gained_s, "s").spread(drift.residual_s));
     Some(Fault {
         kind: Kind::Drift,
         size: drift.rate,
@@ -107,12 +107,13 @@ fn step(stream: &Stream<'_>, limits: &Limits) -> Option<Fault> {
         return None;
     }
     let message = format!(
-        "stamps on {} step against the log clock by {:+.3} s, {:.1} s after the stream's first message, and stay there",
+        "{}: stamps jump by {:+.3} s against the log clock, {:.1} s after the first message",
         stream.subject, change.by, change.after
     );
     let finding = Finding::warning(stream.subject.clone(), message, stream.place())
         .likely()
-        .help("a clock was set while recording: let NTP or PTP settle before the drivers start, and slew from then on")
+        .detail("The offset keeps its new value: probably a clock was set while recording.")
+        .help("let NTP or PTP settle before the drivers start, and only slew the clock afterwards")
         .measured(
             Measured::new("step", change.by, "s")
                 .limit(limits.step_s)
@@ -133,20 +134,18 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
         return None;
     }
     let far = offset.abs() > limits.far_s;
-    let what = if offset > 0.0 {
-        format!("{offset:.3} s ahead of the log clock: they lie in the future when they are recorded")
+    let (what, detail) = if offset > 0.0 {
+        let what = format!("{offset:.3} s ahead of the log clock");
+        (what, "The stamps are in the future when the messages are recorded.")
     } else if far {
-        format!(
-            "{:.1} s behind the log clock{}",
-            -offset,
-            if naming.has_word(stream) {
-                ""
-            } else {
-                ", and no known epoch or leap second is that far off"
-            }
-        )
+        let detail = if naming.has_word(stream) {
+            ""
+        } else {
+            "No known epoch or leap second has that offset."
+        };
+        (format!("{:.1} s behind the log clock", -offset), detail)
     } else {
-        format!("{:.3} s behind the log clock", -offset)
+        (format!("{:.3} s behind the log clock", -offset), "")
     };
     let (severity, limit, help) = match (far, offset > 0.0) {
         (true, _) => (
@@ -157,17 +156,18 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
         (false, true) => (
             Severity::Warning,
             ahead_s,
-            "synchronise the clock that stamps with the recorder's (PTP, NTP); only a forecast may lie in the future",
+            "synchronise the clock that stamps with the recorder's (PTP, NTP). Only a forecast may have a stamp in the future",
         ),
         (false, false) => (
             Severity::Warning,
             late_s,
-            "look for a driver that queues, a slow link, or a clock that is not synchronised; filters must wait that long",
+            "look for a driver that queues, a slow link, or a clock that is not synchronised. Filters must wait for such messages",
         ),
     };
-    let message = format!("stamps on {} run {what}", stream.subject);
+    let message = format!("{}: stamps are {what}", stream.subject);
     let finding = Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
+        .detail(detail)
         .help(help)
         .unless(codes::TIME01)
         .measured(

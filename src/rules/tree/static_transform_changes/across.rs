@@ -1,7 +1,8 @@
 //! Latched transforms that several recordings of one platform share.
 //!
-//! From one recording to another a mount may have been calibrated anew: only a convention error is an error.
+//! Between two recordings a mount may have been calibrated: only a convention error is an error.
 
+use crate::math::relation::Relation;
 use crate::verdict::Measured;
 use std::collections::BTreeMap;
 
@@ -25,7 +26,7 @@ pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out:
         let Some(((bag, first), rest)) = values.split_first() else {
             continue;
         };
-        // Where the world's frames lie is another matter in every drive, and so is how an arm stood.
+        // World frames, and parts such as arms, may have another pose in every drive.
         if rest.is_empty() || names::is_world(parent) || names::is_moving_part(child) {
             continue;
         }
@@ -46,15 +47,23 @@ pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out:
         };
         let subject = format!("latched `{parent}` -> `{child}` across recordings");
         let message = format!(
-            "latched `{parent}` -> `{child}` on {topic} is not the same in {} and {}{}",
+            "latched `{parent}` -> `{child}` differs between recordings{}",
+            difference.words
+        );
+        let why = difference
+            .relation
+            .and_then(Relation::from_word)
+            .map_or("", Relation::describe);
+        let detail = format!(
+            "It is published on `{topic}` in `{}` and `{}`. {why}",
             world.path(bag.source),
             world.path(other_bag.source),
-            difference.words
         );
         let mut finding = Finding::new(severity, subject, message, Place::message(other_bag.source, other.at.clone()))
             .likely()
             .label("another value")
-            .help("if the mount was not changed or calibrated between the two, find out which value is right; else keep each drive's calibration with it")
+            .detail(detail.trim_end())
+            .help("find out which value is right; if the mount was changed or calibrated in between, keep each recording's calibration with it")
             .related(Place::message(bag.source, first.at.clone()), "value of the earlier recording");
         finding.measured = difference.measured;
         finding.relation = difference.relation.map(str::to_owned);
@@ -67,8 +76,8 @@ impl Calm {
     /// Writes the row, if there is anything in it.
     pub(crate) fn report(self, subject: String, limits: &Limits, out: &mut Judge) {
         if self.count > 0 {
-            let turn = Measured::new("largest turn", self.deg, "deg").limit(limits.same_deg);
-            let shift = Measured::new("largest shift", self.m, "m").limit(limits.same_m);
+            let turn = Measured::new("largest rotation", self.deg, "deg").limit(limits.same_deg);
+            let shift = Measured::new("largest translation", self.m, "m").limit(limits.same_m);
             out.pass(subject, [turn.samples(self.count), shift.samples(self.count)]);
         }
     }

@@ -1,4 +1,4 @@
-//! What TREE09 says of the look-ups of one topic.
+//! The findings of TREE09 on the look-ups of one topic.
 
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
@@ -21,7 +21,7 @@ pub(crate) enum When {
     AtTheStart,
 }
 
-/// One topic with what was asked and answered.
+/// One topic with its look-ups and their results.
 pub(crate) struct Case<'a> {
     pub(crate) bag: &'a BagEvidence,
     pub(crate) topic: &'a TopicEvidence,
@@ -40,10 +40,10 @@ impl Case<'_> {
             .samples(self.asked.count)
     }
 
-    /// The worst that is to be said.
+    /// The worst fault.
     pub(crate) fn finding(&self) -> Option<(Cause, Finding)> {
         let asked = self.asked;
-        // A stamp may meet the one transform of an edge by chance.
+        // A stamp may equal that of an edge's only transform by chance.
         let most = if asked.leading.count > asked.trailing.count {
             &asked.leading
         } else {
@@ -117,27 +117,14 @@ impl Case<'_> {
         };
         let edge = self.edge(culprit, is_past);
         let why = self.why(culprit, edge, is_past);
-        let where_ = format!("`{target}` from `{frame}`");
+        let lookups = format!("`{}`: look-ups of `{frame}` in `{target}` fail for", topic.topic);
         let message = match when {
-            When::Always => format!(
-                "{:.0} % of the messages on {} cannot be looked up in TF: {where_} throws {exception}; {why}",
-                part * 100.0,
-                topic.topic
-            ),
-            When::AtTheEnd => format!(
-                "the last {:.1} s of {} cannot be looked up in TF: {where_} throws {exception}; {why}",
-                failures.seconds, topic.topic
-            ),
-            When::AtTheStart => format!(
-                "the first {:.1} s of {} cannot be looked up in TF: {where_}; {why}",
-                failures.seconds, topic.topic
-            ),
-            _ => format!(
-                "{:.1} % of the messages on {} cannot be looked up in TF: {where_} throws {exception}; {why}",
-                part * 100.0,
-                topic.topic
-            ),
+            When::Always => format!("{lookups} {:.0} % of the messages", part * 100.0),
+            When::AtTheEnd => format!("{lookups} the last {:.1} s", failures.seconds),
+            When::AtTheStart => format!("{lookups} the first {:.1} s", failures.seconds),
+            _ => format!("{lookups} {:.1} % of the messages", part * 100.0),
         };
+        let detail = format!("tf2 throws {exception}: {why}.");
         let place = self.place(edge, when == When::AtTheEnd);
         let subject = subject_of(topic);
         let finding = match when {
@@ -148,12 +135,13 @@ impl Case<'_> {
             _ => Finding::warning(subject, message, place),
         };
         let finding = match edge {
-            Some(edge) if edge.count == 1 => finding.label("its only transform"),
-            Some(_) if when == When::AtTheEnd => finding.label("its last transform"),
+            Some(edge) if edge.count == 1 => finding.label("the only transform"),
+            Some(_) if when == When::AtTheEnd => finding.label("the last transform"),
             _ => finding,
         };
-        let seconds = Measured::new("time without an answer", failures.seconds, "s");
+        let seconds = Measured::new("time without a transform", failures.seconds, "s");
         finding
+            .detail(detail)
             .help(help(when, edge))
             .measured(
                 Measured::new("failing look-ups", part, "1")
@@ -173,16 +161,15 @@ impl Case<'_> {
         } = self;
         let part = share(asked.forgotten, asked.count);
         let message = format!(
-            "{:.1} % of the messages on {} are recorded more than {} s after their stamp, the oldest {:.1} s: a tf2 buffer \
-             of the default length has forgotten their transforms",
-            part * 100.0,
+            "`{}`: {:.1} % of the messages are older than tf2's cache of {} s when recorded",
             topic.topic,
+            part * 100.0,
             limits.cache_s,
-            asked.oldest_s
         );
         Finding::warning(subject_of(topic), message, self.place(None, false))
             .likely()
-            .help("shorten what delays the data, or give the listener's buffer a longer cache (tf2::durationFromSec)")
+            .detail("A tf2 buffer of the default length has dropped the transforms at their stamps by then.")
+            .help("reduce the delay of the data, or give the listener's buffer a longer cache (tf2::durationFromSec)")
             .measured(
                 Measured::new("messages older than the cache", part, "1")
                     .limit(limits.max_failing)
@@ -204,16 +191,19 @@ impl Case<'_> {
     fn why(&self, culprit: &Culprit, edge: Option<&TfEdge>, is_past: bool) -> String {
         let Some(edge) = edge else {
             return match culprit {
-                Culprit::Loop => "the tree is a loop".to_owned(),
-                _ => "the two are not connected then, for a parent changes".to_owned(),
+                Culprit::Loop => "the frame tree contains a loop".to_owned(),
+                _ => "the two frames are not connected at these times, because a parent changes".to_owned(),
             };
         };
-        let name = format!("`{}` from `{}`", edge.parent, edge.child);
+        let name = format!("`{}` -> `{}`", edge.parent, edge.child);
         let after_start = |log_ns: i64| log_ns.saturating_sub(self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9;
         match edge.count {
-            1 => format!("{name} was sent once on {}, and holds at that instant only", edge.topic),
+            1 => format!(
+                "{name} was sent once on `{}`, and is valid only at that instant",
+                edge.topic
+            ),
             _ if is_past => format!(
-                "{name} begins {:.1} s into the recording",
+                "{name} starts {:.1} s into the recording",
                 after_start(edge.first_at.log_ns)
             ),
             _ => format!(
@@ -234,20 +224,22 @@ fn help(when: When, edge: Option<&TfEdge>) -> String {
     match (when, edge) {
         (_, Some(edge)) if edge.count == 1 => {
             format!(
-                "publish `{}` from `{}` on /tf_static (StaticTransformBroadcaster)",
+                "publish `{}` -> `{}` on `/tf_static` (StaticTransformBroadcaster)",
                 edge.parent, edge.child
             )
         }
-        (When::AtTheStart, _) => "normal while a robot starts: leave these messages out of offline work".to_owned(),
+        (When::AtTheStart, _) => {
+            "ignore these messages in offline processing: this is normal while a robot starts".to_owned()
+        }
         (When::AtTheEnd, Some(edge)) => format!(
-            "find out why the publisher of `{}` from `{}` fell silent",
+            "find out why the publisher of `{}` -> `{}` stopped",
             edge.parent, edge.child
         ),
         (_, Some(edge)) => format!(
-            "publish `{}` from `{}` for as long as the sensor runs, stamped with the same clock",
+            "publish `{}` -> `{}` for as long as the sensor runs, with stamps of the same clock",
             edge.parent, edge.child
         ),
-        (_, None) => "let one node alone publish the parent of each frame".to_owned(),
+        (_, None) => "let only one node publish the parent of each frame".to_owned(),
     }
 }
 

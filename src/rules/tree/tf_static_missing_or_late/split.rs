@@ -1,4 +1,4 @@
-//! Split recordings whose later files hold no latched transforms.
+//! Split recordings with files that contain no latched transforms.
 
 use crate::analysis::tf;
 use crate::source::Place;
@@ -6,13 +6,13 @@ use crate::verdict::{Finding, Measured};
 use crate::world::BagEvidence;
 use crate::world::bag::Part;
 
-/// Whether what is not in the evidence of the static topics is not in the recording either.
+/// Whether the static topics were read completely.
 fn is_read_up(bag: &BagEvidence) -> bool {
     let mut latched = bag.topics.values().filter(|topic| tf::is_static_topic(&topic.topic));
     bag.share.whole || latched.all(|topic| topic.total.is_some_and(|total| total <= topic.count))
 }
 
-/// Latched transforms stand in the first file or files only. As one recording it is whole, so this is a note.
+/// Some files contain no latched transforms. As one recording nothing is missing, so this is a note.
 pub(crate) fn split(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     let with_messages: Vec<&Part> = bag.parts.iter().filter(|part| part.messages > 0).collect();
     let without: Vec<&&Part> = with_messages.iter().filter(|part| !part.static_transforms).collect();
@@ -23,8 +23,7 @@ pub(crate) fn split(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     let first = bag.tf.iter().filter(|edge| edge.is_static).map(|edge| &edge.first_at);
     let first = first.min_by_key(|at| at.log_ns)?;
     let message = format!(
-        "{} of the {} files of the split recording hold no latched transforms ({}{}): played or checked alone, they \
-         have no mounts",
+        "{} of {} files of the split recording contain no latched transforms ({}{})",
         without.len(),
         with_messages.len(),
         lacking.path,
@@ -32,7 +31,8 @@ pub(crate) fn split(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     );
     let finding = Finding::note(subject, message, Place::message(bag.source, first.clone()))
         .label("the latched transforms are here")
-        .help("keep the files together and play them as one, or write /tf_static into every file when splitting")
+        .detail("Played or checked alone, these files have no mounting transforms.")
+        .help("play the files together as one recording, or write `/tf_static` into every file when splitting")
         .measured(Measured::count("files without latched transforms", without.len()).limit(0.0));
     Some(finding)
 }

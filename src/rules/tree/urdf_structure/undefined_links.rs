@@ -1,4 +1,4 @@
-//! Names that joints use and no link has: one cause each, however many joints name it.
+//! Names that joints use and no link has: one finding each, however many joints use it.
 
 use std::collections::BTreeMap;
 
@@ -60,20 +60,20 @@ impl Undefined<'_> {
         let (joint, role, link) = self.first;
         let near = links.nearest(&FrameId::new(self.name()), Reach::SUGGESTION);
         let help = match near {
-            Some(near) => format!("define the link, or was `{}` meant?", near.frame),
-            None => "define the link, or name one that exists".to_owned(),
+            Some(near) => format!("use `{}` if that is meant, or define the link", near.frame),
+            None => "define the link, or use one that exists".to_owned(),
         };
         let message = format!(
-            "joint `{}` names `{}` as its {role}, and there is no such link",
-            joint.name.value,
-            self.name()
+            "{role} `{}` of joint `{}` is not a link of the robot",
+            self.name(),
+            joint.name.value
         );
         let finding = Finding::error(subject, message, link.place.clone())
             .label("no link of this name")
             .help(help)
-            .measured(Measured::count("joints that name it", 1 + self.others.len()).limit(0.0));
+            .measured(Measured::count("joints that use it", 1 + self.others.len()).limit(0.0));
         self.others.iter().take(MOST_SHOWN).fold(finding, |finding, other| {
-            finding.related(other.place.clone(), "named here too")
+            finding.related(other.place.clone(), "used here too")
         })
     }
 }

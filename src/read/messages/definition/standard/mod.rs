@@ -1,7 +1,7 @@
 //! The fields of the types of the standard packages, a file each: for recordings that carry no definitions.
 //!
 //! Lists of fields only; each file names where the package is published. Where ROS 1 and ROS 2 differ, the field list is
-//! that of ROS 2: headers stand at the same place in both.
+//! that of ROS 2: headers are at the same place in both.
 
 /// The packages' texts, in the form of `ros2msg` with every type in a section of its own.
 pub(super) const PACKAGES: &[&str] = &[

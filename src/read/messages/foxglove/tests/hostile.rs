@@ -96,9 +96,9 @@ fn descriptors_that_do_not_serve_are_refused() {
     let name = "foxglove.Grid";
     let refused = |schema: &[u8]| reader_of(name, schema).unwrap_err();
     assert_eq!(refused(&[]), "the recording holds no descriptor of `foxglove.Grid`");
-    assert!(refused(b"syntax = \"proto3\";").contains("does not decode"));
+    assert!(refused(b"syntax = \"proto3\";").contains("cannot be decoded"));
     assert!(refused(&vec![0x0a; 3 << 20]).contains("has 3145728 bytes; at most 2097152 are read"));
-    assert!(refused(&descriptor(FileDescriptorProto::default())).contains("does not hold that type"));
+    assert!(refused(&descriptor(FileDescriptorProto::default())).contains("does not contain that type"));
     let format = Format {
         topic: "/t",
         message_type: name,

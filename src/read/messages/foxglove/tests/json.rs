@@ -111,9 +111,9 @@ fn messages_of_foxgloves_say_what_is_wrong_with_them() {
     let error = |message_type: &str, message: &str| json(message_type, message).unwrap_err().0;
     let fox = "foxglove.FrameTransform";
     let time = r#"{"sec":1,"nsec":0}"#;
-    assert_eq!(error(fox, "{}"), "lacks `child_frame_id`");
+    assert_eq!(error(fox, "{}"), "`child_frame_id` is missing");
     assert_eq!(error(fox, "[]"), "the message is a list, not an object");
-    assert_eq!(error(fox, r#"{"child_frame_id":"a"}"#), "lacks `parent_frame_id`");
+    assert_eq!(error(fox, r#"{"child_frame_id":"a"}"#), "`parent_frame_id` is missing");
     assert_eq!(
         error(fox, r#"{"child_frame_id":3}"#),
         "`child_frame_id` is a number, not a text"
@@ -126,18 +126,18 @@ fn messages_of_foxgloves_say_what_is_wrong_with_them() {
         error(fox, &written(time, "[0,0,0,1]")),
         "`rotation` is a list, not an object"
     );
-    assert_eq!(error(fox, &written(time, r#"{"x":0,"y":0,"z":0}"#)), "lacks `w`");
+    assert_eq!(error(fox, &written(time, r#"{"x":0,"y":0,"z":0}"#)), "`w` is missing");
     assert_eq!(
         error(fox, &written(time, r#"{"x":true}"#)),
         "`x` is something else, not a number"
     );
-    assert_eq!(error("foxglove.FrameTransforms", "{}"), "lacks `transforms`");
+    assert_eq!(error("foxglove.FrameTransforms", "{}"), "`transforms` is missing");
     assert_eq!(
         error("foxglove.PointCloud", r#"{"frame_id":"a","timestamp":true}"#),
         "`timestamp` is something else, not seconds and nanoseconds"
     );
     let broken = error("foxglove.PointCloud", r#"{"frame_id":"a","timestamp""#);
-    assert!(broken.starts_with("not sound JSON: EOF while parsing"), "{broken}");
+    assert!(broken.starts_with("not valid JSON: EOF while parsing"), "{broken}");
     assert!(broken.ends_with("at line 1 column 27"), "{broken}");
     assert!(error("foxglove.PointCloud", "{} {}").contains("trailing characters at line 1 column 4"));
     // JSON has no NaN of its own.
@@ -190,6 +190,6 @@ fn scans_of_planes_keep_all_their_ranges() {
         json("foxglove.LaserScan", &without)
             .unwrap_err()
             .0
-            .contains("lacks `ranges`")
+            .contains("`ranges` is missing")
     );
 }

@@ -151,7 +151,7 @@ fn fixes_are_read_with_covariances_packed_or_not() {
         let packed = vec![1.0; count];
         let bytes = LocationFix { packed, ..fix.clone() }.encode_to_vec();
         let error = reader.decode(&bytes).unwrap_err();
-        assert_eq!(error.0, "`position_covariance` does not hold 9 numbers");
+        assert_eq!(error.0, "`position_covariance` does not have 9 numbers");
     }
 }
 
@@ -363,7 +363,7 @@ fn a_type_without_a_package_and_a_leading_dot_are_found() {
         "oxglove.Pose",
     ] {
         let why = reader_of(missing, &schema).unwrap_err();
-        assert!(why.ends_with("does not hold that type"), "{missing}: {why}");
+        assert!(why.ends_with("does not contain that type"), "{missing}: {why}");
     }
     assert!(reader_of("x", &descriptor(FileDescriptorProto::default())).is_err());
 }
