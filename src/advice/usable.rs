@@ -12,7 +12,7 @@ impl Intrinsics<'_> {
             return false;
         }
         if ![fx, fy, cx, cy].iter().all(|value| value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
-            out.not_applicable(subject, "K has no positive focal lengths (CAMERA02)");
+            out.not_applicable(subject, "K has no positive focal lengths");
             return false;
         }
         true

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::CommandFactory;
 
 use super::args::Cli;
 use super::{Answer, Surroundings, listed, paths, rules, run};
-use crate::report::{Style, rules_table};
+use crate::report::Style;
 
 fn answer(arguments: &[&str]) -> Answer {
     let arguments = std::iter::once("frames-lint")
@@ -103,18 +103,6 @@ fn rules_have_different_codes_and_names() {
     let codes: BTreeSet<&str> = rules.iter().map(|rule| rule.code).collect();
     let names: BTreeSet<&str> = rules.iter().map(|rule| rule.name).collect();
     assert_eq!((codes.len(), names.len()), (rules.len(), rules.len()));
-}
-
-#[test]
-fn the_table_of_rules_links_to_their_pages() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let rules = rules();
-    let expected = rules_table::markdown(&rules);
-    for rule in &rules {
-        let page = format!("rules/{}/{}.md", rule.family().to_lowercase(), rule.name);
-        assert!(root.join(&page).is_file(), "the table links to {page}");
-        assert!(expected.contains(&page));
-    }
 }
 
 #[test]

@@ -307,9 +307,13 @@ fn failure(stderr: &str, text: &str) -> (String, String) {
         line.split_once("Undefined substitution argument ")
             .map(|(_, name)| name.trim())
     });
-    let help = match undefined {
-        Some(name) => format!("pass --xacro-arg {name}:=<value>"),
-        None => "run `xacro` on the file to see the error; pass arguments with --xacro-arg name:=value".to_owned(),
+    let own = stderr.lines().find_map(|line| line.strip_prefix("help: "));
+    let help = match (undefined, own) {
+        (Some(name), _) => format!("pass --xacro-arg {name}:=<value>"),
+        (None, Some(own)) => own.to_owned(),
+        (None, None) => {
+            "run `xacro` on the file to see the error; pass arguments with --xacro-arg name:=value".to_owned()
+        }
     };
     (message, help)
 }

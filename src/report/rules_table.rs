@@ -1,20 +1,15 @@
-//! The list of rules: for a terminal, as JSON, and as the table of the README.
+//! The list of rules: for a terminal, as JSON, and as a Markdown table.
 
 use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::page::{Page, Status};
+use crate::page::{Page, Status, url};
 use crate::visible::pretty_json;
 
 use super::Style;
 use super::style::Ink;
 use super::text::wrap;
-
-/// Line before the table in the README.
-pub const BEGIN: &str = "<!-- rules:begin -->";
-/// Line after it.
-pub const END: &str = "<!-- rules:end -->";
 
 #[derive(Serialize)]
 struct Row<'a> {
@@ -89,24 +84,22 @@ pub fn json(rules: &[&Page]) -> Result<String, serde_json::Error> {
     pretty_json(&rows)
 }
 
-/// The table of the README, between its two marker lines.
+/// A Markdown table with links to the pages.
 pub fn markdown(rules: &[&Page]) -> String {
-    let mut out = format!("{BEGIN}\n| code | name | severity | confidence | a finding says |\n|---|---|---|---|---|\n");
+    let mut out = String::from("| code | name | severity | confidence | a finding says |\n|---|---|---|---|---|\n");
     for rule in rules {
-        let folder = rule.family().to_lowercase();
         let trial = if rule.status == Status::Trial { " (trial)" } else { "" };
         let _ = writeln!(
             out,
-            "| {} | [{name}](rules/{folder}/{name}.md){trial} | {} | {} | {} |",
+            "| {} | [{}]({}){trial} | {} | {} | {} |",
             rule.code,
+            rule.name,
+            url(rule.code),
             rule.severity.word(),
             rule.confidence.word(),
             rule.summary.replace('|', "\\|"),
-            name = rule.name,
         );
     }
-    out.push_str(END);
-    out.push('\n');
     out
 }
 
@@ -155,10 +148,11 @@ mod tests {
         let mut trial = rule();
         trial.status = Status::Trial;
         trial.summary = "a | b";
-        assert_eq!(
-            markdown(&[&trial]).lines().nth(3),
-            Some("| TREE01 | [orphan-subtree](rules/tree/orphan-subtree.md) (trial) | error | certain | a \\| b |")
+        let link = format!(
+            "| TREE01 | [orphan-subtree]({}) (trial) | error | certain | a \\| b |",
+            url("TREE01")
         );
+        assert_eq!(markdown(&[&trial]).lines().nth(2), Some(link.as_str()));
     }
 
     #[test]

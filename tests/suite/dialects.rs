@@ -329,7 +329,7 @@ const KNOWN: &[(&str, &[&str])] = &[
         ],
     ),
     ("orbslam", &["settings of ORB-SLAM", "cameras of AirSLAM"]),
-    ("ouster_meta", &["metadata of an Ouster"]),
+    ("ouster_meta", &["metadata of an Ouster", "Ouster metadata"]),
     (
         "robot_localization",
         &[

@@ -69,4 +69,5 @@ mod tf2_reference;
 mod tree_moment;
 mod urdf_faults;
 mod views;
+mod words;
 mod xacro;

@@ -1,4 +1,4 @@
-//! The README shows what the program says, held word for word: the findings of its first command, and the table of rules.
+//! The README shows what the program says, held word for word: the findings of its first command. Its other commands parse.
 //!
 //! `UPDATE=1 cargo test --test suite readme` writes them anew.
 
@@ -6,9 +6,9 @@
 
 use std::path::{Path, PathBuf};
 
-use frames_lint::cli;
+use frames_lint::cli::{self, Surroundings};
 use frames_lint::engine::{self, Options};
-use frames_lint::report::{Style, rules_table, terminal};
+use frames_lint::report::{Style, terminal};
 use frames_lint::run::FailOn;
 
 const BEGIN: &str = "<!-- finding:begin -->";
@@ -62,10 +62,38 @@ fn the_readme_shows_what_the_program_says() {
         "the README's first command"
     );
     holds(BEGIN, END, &format!("\n\n```text\n{}\n```\n\n", report().trim_end()));
-    let table = rules_table::markdown(&cli::rules());
-    let table = table
-        .trim()
-        .trim_start_matches(rules_table::BEGIN)
-        .trim_end_matches(rules_table::END);
-    holds(rules_table::BEGIN, rules_table::END, table);
+}
+
+/// Calls of the program in the code of a text, up to a comment or another command.
+fn calls(text: &str) -> Vec<String> {
+    let mut calls = Vec::new();
+    let mut is_fenced = false;
+    for line in text.lines() {
+        is_fenced ^= line.starts_with("```");
+        let call = line.trim().trim_start_matches("$ ");
+        if call.starts_with("frames-lint ") && (is_fenced || line.starts_with("    ")) {
+            let call = call.split(['#', '|', '>', '&', ';']).next().unwrap_or_default();
+            calls.push(call.trim().replace('\'', ""));
+        }
+    }
+    calls
+}
+
+#[test]
+fn every_call_that_is_shown_is_one() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let pages = std::fs::read_dir(root.join("docs/src")).unwrap();
+    let pages = pages.map(|entry| entry.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let mut count = 0;
+    for path in pages.chain([root.join("README.md")]) {
+        for call in calls(&std::fs::read_to_string(&path).unwrap()) {
+            // The help is shown where everything before it was understood.
+            let arguments = call.split_whitespace().chain(["--help"]).map(Into::into);
+            let answer = cli::run(arguments, &mut std::io::empty(), Surroundings::detect());
+            assert_eq!(answer.code, 0, "{}: `{call}`: {}", path.display(), answer.err);
+            count += 1;
+        }
+    }
+    assert!(count > 30, "{count}");
 }

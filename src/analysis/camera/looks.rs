@@ -48,11 +48,10 @@ pub(crate) fn look(
     if camera.is_uncalibrated() {
         return Err(not_applicable("K is all zeros: the camera is not calibrated"));
     }
-    let image = Image::of(camera.calibration).ok_or_else(|| {
-        not_applicable("its size, K, distortion model or coefficients are not usable (CAMERA02, CAMERA03)")
-    })?;
+    let image = Image::of(camera.calibration)
+        .ok_or_else(|| not_applicable("its size, K, distortion model or coefficients are not usable"))?;
     if crate::analysis::name::optical::reports(world, frame) {
-        return Err(not_applicable("its axes are not optical (NAME06)"));
+        return Err(not_applicable("its axes are not optical"));
     }
     if crate::analysis::name::image_frame::reports(world, camera.bag, frame) {
         return Err(not_applicable("it is not an optical frame"));

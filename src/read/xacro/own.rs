@@ -82,8 +82,7 @@ impl Bounds {
 }
 
 /// How to expand a file that is refused here.
-const BY_PROGRAM: &str =
-    "error: it may read files outside of the checked folders; check their folders too, or use --xacro run";
+const BY_PROGRAM: &str = "help: check its folder too, or use --xacro run: the `xacro` program executes what the files say, and reads any file";
 
 /// Removes the right of this process to open anything outside of these folders; returns whether that is enforced.
 #[cfg(target_os = "linux")]

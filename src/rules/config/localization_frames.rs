@@ -24,8 +24,7 @@ impl Rule for LocalizationFrames {
             }
             let is_off = settings.text("publish_tf").is_some_and(|value| value.value == "false");
             let edge = (source, frames.world.clone(), frames.published_child().to_owned());
-            let before = publishers.get(&edge).filter(|_| !is_off);
-            if let Some((other, place)) = before {
+            if let Some((other, place)) = publishers.get(&edge).filter(|_| !is_off) {
                 let message = format!(
                     "filters `{other}` and `{}` both publish `{}` -> `{}`",
                     settings.node, edge.1, edge.2

@@ -53,7 +53,7 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
             out.fail(finding.measured(measured));
         }
         Some(_) => {
-            out.not_applicable(subject, format!("`{name}` matches the motion once it is rotated by 180 deg about z: see AXES12"));
+            out.not_applicable(subject, format!("`{name}` matches the motion once it is rotated by 180 deg about z: the direction is not the error"));
         }
         None => {
             let why = format!(

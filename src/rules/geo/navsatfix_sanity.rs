@@ -72,20 +72,15 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
     let Some(position) = middle(fixes).filter(|_| sound) else {
         return;
     };
-    match misread(position, &others(world, fixes), limits) {
-        Some((way, other)) => out.fail(misreading(bag, subject, fixes, (position, way, other), limits)),
-        None => out.pass(
-            subject,
-            [
-                Measured::new("latitude", position.0, "deg")
-                    .limit(90.0)
-                    .samples(with_fix),
-                Measured::new("longitude", position.1, "deg")
-                    .limit(180.0)
-                    .samples(with_fix),
-            ],
-        ),
+    if let Some((way, other)) = misread(position, &others(world, fixes), limits) {
+        return out.fail(misreading(bag, subject, fixes, (position, way, other), limits));
     }
+    let degrees = |name, value, limit| Measured::new(name, value, "deg").limit(limit).samples(with_fix);
+    let measured = [
+        degrees("latitude", position.0, 90.0),
+        degrees("longitude", position.1, 180.0),
+    ];
+    out.pass(subject, measured);
 }
 
 fn misreading(

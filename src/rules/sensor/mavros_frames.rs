@@ -81,12 +81,8 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     };
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
         let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
-        let finding = Finding::warning(subject, message, place).likely();
-        let help = format!(
-            "publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does",
-            fixed.rpy
-        );
-        let finding = finding.help(help);
+        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}) as mavros", fixed.rpy);
+        let finding = Finding::warning(subject, message, place).likely().help(help);
         return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
     }
     let Some((parent_from_frame, steps)) = chain else {
@@ -94,9 +90,8 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     };
     let deg = off_deg(Some(fixed.turn), &parent_from_frame.rotation);
     let m = parent_from_frame.translation.vector.norm();
-    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg")
-        .turn()
-        .limit(limits.max_deg);
+    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg").turn();
+    let turn = turn.limit(limits.max_deg);
     let shift = Measured::new("distance of the origins", m, "m").limit(limits.max_m);
     if deg <= limits.max_deg && m <= limits.max_m {
         out.pass(subject, [turn, shift]);
@@ -114,7 +109,7 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
             finding = finding.unless_about(fixed.judged_by, format!("`{frame}`"));
         }
         let help = format!("set `{parent}` -> `{frame}` to xyz = (0, 0, 0), rpy = ({})", fixed.rpy);
-        let finding = finding.help(help);
+        finding = finding.help(help);
         let edge = steps.first().filter(|_| steps.len() == 1 && deg > limits.max_deg);
         let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, fixed.rpy));
         out.fail(match edit {

@@ -45,7 +45,7 @@ impl Rule for LeapTableExpiry {
                     .detail(format!(
                         "GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since the table's end."
                     ))
-                    .help("install a newer release; until then, an offset that TIME01 names may be wrong by one second")
+                    .help("install a newer release; until then, an offset from leap seconds may be wrong by one second")
                     .measured(measured),
             );
         }

@@ -60,7 +60,7 @@ fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Lim
     if sound && is_reused {
         out.not_applicable(
             stream.subject.clone(),
-            "nearly all messages repeat a stamp: TIME10 judges that",
+            "nearly all messages repeat a stamp",
         );
     } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);

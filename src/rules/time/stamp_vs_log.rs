@@ -48,7 +48,7 @@ fn is_judged(
         let why = "messages of this type may carry the stamp of the data that they were computed from";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.is_reused(reused) {
-        let why = "nearly all messages repeat a stamp: TIME10 judges that";
+        let why = "nearly all messages repeat a stamp";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
         return true;

@@ -89,7 +89,7 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         if between_windows(bag, edge, limits) {
             out.too_little(subject, "it changes by more than the limits between the parts of the recording that were read");
         } else if takes_turns(steps) {
-            let why = "two publishers alternate with different values, so its steps are not corrections (see AUTH01)";
+            let why = "two publishers alternate with different values, so its steps are not corrections";
             out.not_applicable(subject, why);
         } else {
             out.pass(

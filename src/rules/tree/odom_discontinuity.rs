@@ -45,7 +45,7 @@ fn judge_streams(
     let with_jumps: Vec<_> = found.into_iter().filter(|(_, jumps)| !jumps.is_empty()).collect();
     let Some(((stream, jumps), others)) = with_jumps.split_first() else {
         if takes_turns {
-            let why = "two publishers alternate with different values, so its steps are not motion (see AUTH01)";
+            let why = "two publishers alternate with different values, so its steps are not motion";
             return out.not_applicable(subject, why);
         }
         let all = streams.iter().flat_map(|stream| outstanding(stream.steps));

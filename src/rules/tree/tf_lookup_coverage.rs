@@ -73,7 +73,7 @@ fn judge_topic(
     let alone = || not_ours(format!("TF does not connect `{frame}` to a map, odom or base frame"));
     let target = heard.target(frame).ok_or_else(alone)?;
     if let Some((apart_s, edge)) = other_clock(topic, heard, [&target, frame], limits) {
-        let reason = format!("its stamps and those of {edge} come from clocks {apart_s:.1} s apart (see TIME01)");
+        let reason = format!("its stamps and those of {edge} come from clocks {apart_s:.1} s apart");
         return Err(not_ours(reason));
     }
     let asked = heard.ask(&target, frame, topic, limits.cache_s);
@@ -84,7 +84,7 @@ fn judge_topic(
             .any(|part| part.main.as_ref().is_some_and(|(at, _)| at == culprit))
     };
     if fails_at(&Culprit::Loop) {
-        return Err(not_ours("the frame tree contains a loop (see TREE03)".to_owned()));
+        return Err(not_ours("the frame tree contains a loop".to_owned()));
     }
     let case = Case {
         bag,

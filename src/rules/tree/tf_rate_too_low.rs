@@ -74,7 +74,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let undone = steps.undone as f64 / steps.count.max(1) as f64;
     if undone > limits.max_undone {
         let why = format!(
-            "{:.0} % of the steps are reversed by the next one: two publishers probably alternate (see AUTH01)",
+            "{:.0} % of the steps are reversed by the next one: two publishers probably alternate",
             undone * 100.0
         );
         return out.not_applicable(subject, why);

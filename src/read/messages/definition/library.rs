@@ -229,7 +229,7 @@ mod tests {
         let broken = fields("broken/A", &definitions).unwrap();
         assert!(broken.starts_with("x /"), "{broken}");
         assert!(
-            broken.ends_with("broken/msg/A.msg, line 3: `int9` is no field"),
+            broken.ends_with("broken/msg/A.msg, line 3: `int9` is not a field"),
             "{broken}"
         );
 

@@ -194,7 +194,7 @@ mod tests {
         let read = one("acme", (1..).zip("uint8 a\n---\nuint8 b".lines()));
         assert_eq!(
             (read.fields.len(), read.fault.as_deref()),
-            (1, Some("line 2: `---` is no field"))
+            (1, Some("line 2: `---` is not a field"))
         );
         for wrong in [
             "uint8",

@@ -119,7 +119,7 @@ fn a_definition_without_the_type_itself_says_why() {
         "its definition does not contain the type itself"
     );
     let deep = "module a { ".repeat(20);
-    assert!(why(deep.as_bytes(), "ros2idl").contains("line 1: more than 8 modules"));
+    assert!(why(deep.as_bytes(), "ros2idl").contains("line 1: modules are nested more than 8 deep"));
     assert_eq!(
         why(b"\n\nfunction x", "ros2idl"),
         "its definition is not understood: line 3: `function` is not a supported declaration"

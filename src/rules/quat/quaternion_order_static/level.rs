@@ -68,7 +68,7 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
         return out.not_applicable(subject, why);
     }
     if sensor.turn.is_ok() {
-        return out.not_applicable(subject, "its gyro decides the order (QUAT01)");
+        return out.not_applicable(subject, "its gyro decides the order");
     }
     let slots = || imu.stream.rows().map(|timed| timed.row.orientation);
     let Some(tilts) = Tilts::of(slots, &imu.base_from_imu()) else {
