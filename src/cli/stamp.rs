@@ -9,9 +9,7 @@ pub(super) fn parse(text: &str) -> Result<i64, String> {
         Some(0) => Err("a timestamp of 0 means the latest one in tf2: leave --at out for that".to_owned()),
         Some(ns) if ns > 0 => Ok(ns),
         Some(_) => Err("a timestamp cannot be negative".to_owned()),
-        None => Err(
-            "expected seconds (1700000000.25) or a date and time (2023-11-14T22:13:20.25Z)".to_owned(),
-        ),
+        None => Err("expected seconds (1700000000.25) or a date and time (2023-11-14T22:13:20.25Z)".to_owned()),
     }
 }
 

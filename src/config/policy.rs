@@ -268,9 +268,8 @@ impl Reader<'_> {
                     .unwrap_or(text.len());
                 let (number, unit) = text.split_at(end);
                 let number = number.parse::<f64>().ok().filter(|number| number.is_finite());
-                let number = number.ok_or_else(|| {
-                    self.error(value.span.start, "expected a number with its unit: `3 deg`, `8 cm`")
-                })?;
+                let number = number
+                    .ok_or_else(|| self.error(value.span.start, "expected a number with its unit: `3 deg`, `8 cm`"))?;
                 asked.limits.push(LimitOverride {
                     rule: rule.clone(),
                     name: name.text().unwrap_or_default().to_owned(),
@@ -286,12 +285,18 @@ impl Reader<'_> {
     fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Waived, ConfigError> {
         self.keys(item, &["rule", "subject", "file", "reason", "until", "by"])?;
         let rule = self.rule_of(item, named)?;
-        let reason = self.required_text(item, "reason", "the reason why this is accepted, for readers of the report")?;
+        let reason = self.required_text(
+            item,
+            "reason",
+            "the reason why this is accepted, for readers of the report",
+        )?;
         let until = match item.get("until") {
             None => None,
             Some(node) => {
                 let day = node.text().and_then(Day::parse);
-                Some(day.ok_or_else(|| self.error(node.span.start, "`until` must be the last day, as in `2027-01-31`"))?)
+                Some(
+                    day.ok_or_else(|| self.error(node.span.start, "`until` must be the last day, as in `2027-01-31`"))?,
+                )
             }
         };
         let by = item
@@ -314,7 +319,8 @@ impl Reader<'_> {
         let share = node.text().and_then(|text| text.trim().parse().ok());
         let share = share.filter(|share| (0.0..=1.0).contains(share));
         Ok(RequiredShare {
-            share: share.ok_or_else(|| self.error(node.span.start, "`share` must be a number from 0 to 1: `share: 0.8`"))?,
+            share: share
+                .ok_or_else(|| self.error(node.span.start, "`share` must be a number from 0 to 1: `share: 0.8`"))?,
             origin: self.origin(node, false),
         })
     }

@@ -207,11 +207,13 @@ mod tests {
         assert!(fault("projections: {}\n").contains("must be a list"));
         assert!(fault("projections:\n  - topic: /a\n").contains("one of `range_image`"));
         assert!(
-            fault("projections:\n  - grid: {rows: down}\n").contains("`rows` must be one of +x, -x, +y, -y, not `down`")
+            fault("projections:\n  - grid: {rows: down}\n")
+                .contains("`rows` must be one of +x, -x, +y, -y, not `down`")
         );
         assert!(fault("projections:\n  - grid: {affine: [1, 2]}\n").contains("a list of 6 numbers"));
         assert!(
-            fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:26: `width` must be a whole number")
+            fault("projections:\n  - range_image: {width: -4}\n")
+                .contains("c.yaml:2:26: `width` must be a whole number")
         );
         assert!(fault("projections:\n  - range_image: {fov: 3}\n").contains("unknown key `fov`"));
     }

@@ -47,10 +47,7 @@ impl<'t> Reader<'t> {
     pub(super) fn keys(&self, node: &Node, known: &[&str]) -> Result<(), ConfigError> {
         let words = || format!("known keys: {}", known.join(", "));
         if !node.is_mapping() {
-            return Err(self.error(
-                node.span.start,
-                &format!("expected keys with values; {}", words()),
-            ));
+            return Err(self.error(node.span.start, &format!("expected keys with values; {}", words())));
         }
         for (key, _) in node.pairs() {
             let text = key.text().unwrap_or_default();
@@ -81,7 +78,12 @@ impl<'t> Reader<'t> {
         let glob = GlobBuilder::new(text)
             .literal_separator(false)
             .build()
-            .map_err(|error| self.error(value.span.start, &format!("`{key}` is not a valid glob: {}", error.kind())))?;
+            .map_err(|error| {
+                self.error(
+                    value.span.start,
+                    &format!("`{key}` is not a valid glob: {}", error.kind()),
+                )
+            })?;
         Ok(Some(glob.compile_matcher()))
     }
 

@@ -168,5 +168,9 @@ fn a_shell_that_is_not_known_is_refused() {
         &[("FRAMES_LINT_COMPLETE", "ksh")],
     );
     assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("there are no completions for `ksh`"), "{}", ran.err);
+    assert!(
+        ran.err.contains("completions for `ksh` are not supported"),
+        "{}",
+        ran.err
+    );
 }

@@ -112,7 +112,10 @@ fn told(words: &str, left_out: LeftOut) -> String {
         );
     }
     if meshes > 0 {
-        let _ = write!(text, "; to stay below --max-size, the {meshes} largest meshes are left out");
+        let _ = write!(
+            text,
+            "; to stay below --max-size, the {meshes} largest meshes are left out"
+        );
     }
     text.push('\n');
     text
