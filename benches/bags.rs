@@ -1,10 +1,11 @@
-//! What checking a long drive costs, beside a linear pass of the mcap crate, decompressing alone, and other tools.
+//! The cost of checking a long drive, compared with a linear pass of the mcap crate, decompression only, and other tools.
 //!
-//! The drives are made here: lidar 10 Hz, camera 30 Hz, IMU 200 Hz, TF 100 Hz. `FRAMES_LINT_BENCH_GB` is the size of their
+//! The drives are generated: lidar 10 Hz, camera 30 Hz, IMU 200 Hz, TF 100 Hz. `FRAMES_LINT_BENCH_GB` is the size of their
 //! messages (4 without it), `FRAMES_LINT_BENCH_TENFOLD=1` adds a drive ten times as long, `FRAMES_LINT_BENCH_DIR` is where
-//! they are kept (`target/bench`). Then drives of a large lidar, 128 x 2048 points at 10 Hz: `FRAMES_LINT_BENCH_CLOUD_S` is how many
-//! seconds (15,60; 600 are ten minutes, in 25 GB), `FRAMES_LINT_BENCH_GB=0` leaves the others out. Other tools are run where they are on PATH: `mcap doctor`, `pymcap-cli tftree`.
-//! Measured is user plus system time of a process of its own, and its peak of resident memory; the best of several runs.
+//! they are kept (`target/bench`). Then drives of a large lidar, 128 x 2048 points at 10 Hz: `FRAMES_LINT_BENCH_CLOUD_S` lists their
+//! seconds (15,60; 600 are ten minutes, in 25 GB), `FRAMES_LINT_BENCH_GB=0` skips the others. Other tools are run if they are on PATH:
+//! `mcap doctor`, `pymcap-cli tftree`. Measured are user plus system time of a separate process, and its peak of resident memory; the best
+//! of several runs.
 
 #![allow(
     clippy::print_stdout,
@@ -84,7 +85,7 @@ fn compare() {
         let itself = std::env::current_exe().expect("this program has a path");
         let itself = itself.to_str().expect("a path in UTF-8").to_owned();
         let ours = env!("CARGO_BIN_EXE_frames-lint");
-        // Once, so that every run finds the file in memory as far as there is room.
+        // Once, so that every run finds the file in the page cache, if there is room.
         run(&itself, &["inflate", file]);
         let linear = best("linear pass of the mcap crate", 3, &itself, &["linear", file]);
         let alone = best("decompressing alone", 3, &itself, &["inflate", file]);
@@ -103,10 +104,10 @@ fn compare() {
     compare_clouds(&folder);
 }
 
-/// What may be spent on ten minutes of clouds, seconds of CPU and MB.
+/// Limits for ten minutes of clouds: CPU seconds and MB.
 const MOST: (f64, f64) = (10.0, 400.0);
 
-/// Drives of a large lidar, of several lengths: by default what is read of them does not grow with them.
+/// Drives of a large lidar, of several lengths: by default, the amount read does not grow with the length.
 fn compare_clouds(folder: &Path) {
     let lengths = std::env::var("FRAMES_LINT_BENCH_CLOUD_S").unwrap_or_else(|_| "15,60".to_owned());
     for seconds in lengths.split(',').filter(|word| !word.is_empty()) {
@@ -146,7 +147,7 @@ fn compare_clouds(folder: &Path) {
     }
 }
 
-/// Runs a program several times in a process that measures it; prints and gives the best CPU time, seconds.
+/// Runs a program several times in a process that measures it; prints and returns the best CPU time, seconds.
 fn best(what: &str, runs: u32, program: &str, arguments: &[&str]) -> Option<f64> {
     let found: Vec<(f64, f64)> = (0..runs).filter_map(|_| run(program, arguments)).collect();
     let Some((cpu, _)) = found.iter().copied().reduce(|a, b| if b.0 < a.0 { b } else { a }) else {
@@ -178,7 +179,7 @@ fn measure(program: &str, arguments: &[&str]) {
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .status();
-    // Findings end with 1; only what did not run at all is no measurement.
+    // Findings give exit code 1; only a program that did not run is not a measurement.
     if !status.is_ok_and(|status| status.code().is_some_and(|code| code < 3)) {
         return;
     }
@@ -190,7 +191,7 @@ fn measure(program: &str, arguments: &[&str]) {
     println!("{} {}", cpu.as_secs_f64(), usage.max_rss() as f64 / 1024.0);
 }
 
-/// Every message once, through the mcap crate and from memory that is mapped to the file's bytes piece by piece.
+/// Reads every message once, with the mcap crate, from a memory map.
 fn linear(path: &Path) {
     use mcap::sans_io::{LinearReadEvent, LinearReader};
     let mut file = BufReader::with_capacity(1 << 18, File::open(path).expect("the drive opens"));
@@ -213,7 +214,7 @@ fn linear(path: &Path) {
     assert!(messages > 0 && bytes > 0);
 }
 
-/// Decompresses every chunk, and looks at nothing.
+/// Decompresses every chunk, without reading it.
 fn inflate(path: &Path) {
     let mut file = BufReader::with_capacity(1 << 18, File::open(path).expect("the drive opens"));
     let mut zstd = zstd::bulk::Decompressor::new().expect("a decompressor");
@@ -250,7 +251,7 @@ fn inflate(path: &Path) {
     }
 }
 
-/// Points of a spinning lidar: x y z intensity as f32, in millimetres' steps, so that they compress as real ones do.
+/// Points of a spinning lidar: x y z intensity as f32, in steps of a millimetre, so that they compress like real ones.
 fn cloud(random: &mut Rng) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(65_536 * 16);
     for point in 0..65_536_u32 {

@@ -1,7 +1,7 @@
-//! CPU time beside `check_urdf` (Debian: liburdfdom-tools), on the same files, in one run.
+//! CPU time compared with `check_urdf` (Debian: liburdfdom-tools), on the same files, in one run.
 //!
-//! Files: `FRAMES_LINT_CORPUS` or `../shared/corpus`, where there is one; else the robots under `fixtures/`.
-//! Measured is user plus system time of the child processes, not wall time.
+//! Files: `FRAMES_LINT_CORPUS` or `../shared/corpus` if it exists; else the robots under `fixtures/`.
+//! Measured: user plus system time of the child processes, not wall time.
 
 #![allow(clippy::print_stdout, clippy::expect_used, clippy::indexing_slicing)]
 
@@ -23,7 +23,7 @@ fn main() {
         command
             .args(["check", "--format", "json", "--output", "/dev/null"])
             .args(paths)
-            // Without a way to xacro: check_urdf does not expand either.
+            // Without xacro on PATH: check_urdf does not expand either.
             .env("PATH", "");
         command
     };

@@ -1,11 +1,11 @@
-//! What the rules of motion cost beside reading: CPU time of reading, of judging with them and with all others, and memory.
+//! The cost of the rules of motion: CPU time of reading, of judging with them and with all others, and memory.
 //!
-//! Four recordings, made of drives whose sensors fit together: a short one with images and clouds, sampled as by default; one
-//! of motion alone, an hour long (`FRAMES_LINT_BENCH_HOURS`), read wholly; and two with three hundred streams, on a drive
-//! with turns and standing still, where nothing tells anything and every pair is tried. They are kept in
-//! `FRAMES_LINT_BENCH_DIR` (`target/bench`); `FRAMES_LINT_BENCH_ONLY` is a word of those that are measured.
+//! Four recordings of drives with consistent sensors: a short one with images and clouds, sampled as by default; one of motion
+//! only, an hour long (`FRAMES_LINT_BENCH_HOURS`), read completely; and two with three hundred streams, on a drive with turns
+//! and standing still, where the data determine nothing and every pair is tried. They are kept in
+//! `FRAMES_LINT_BENCH_DIR` (`target/bench`); `FRAMES_LINT_BENCH_ONLY` selects recordings by a word of their names.
 //!
-//! Each is read and judged in a process of its own, for its memory. Times are user plus system, the best of three runs.
+//! Each is read and judged in a separate process, to measure its memory. Times are user plus system, the best of three runs.
 
 #![allow(
     clippy::print_stdout,
@@ -38,7 +38,7 @@ use nix::sys::resource::{UsageWho, getrusage};
 use support::encode::{Body, Endian, Header};
 use support::schemas;
 
-/// The rules of motion: families, and rules of others.
+/// The rules of motion: families, and rules of other families.
 const MOTION: [&str; 17] = [
     "AXES", "QUAT", "GEO02", "GEO03", "GEO04", "GEO05", "GEO06", "GEO07", "TIME09", "COV02", "COV04", "COV05",
     "SENSOR05", "SENSOR06", "SENSOR08", "SENSOR09", "TREE16",
@@ -64,7 +64,7 @@ fn compare() {
     let hours = std::env::var("FRAMES_LINT_BENCH_HOURS").map_or(1.0, |text| text.parse::<f64>().expect("a number"));
     let drives: [(&str, &str, String, bool); 4] = [
         ("images and clouds, sampled", "sampled", drive(300.0), true),
-        ("motion alone, read wholly", "full", drive(hours * 3600.0), false),
+        ("motion only, read completely", "full", drive(hours * 3600.0), false),
         ("three hundred streams, turning", "full", many("turning"), false),
         ("three hundred streams, standing still", "full", many("still"), false),
     ];
@@ -79,7 +79,7 @@ fn compare() {
         let itself = std::env::current_exe().expect("this program has a path");
         if !path.exists() {
             println!("writing {}", path.display());
-            // Not here: the peak of memory is handed down to processes that are started later.
+            // In another process: the peak of memory is inherited by processes started later.
             let images = if has_images { "images" } else { "" };
             let status = Command::new(&itself)
                 .args(["write", &recipe, images])
@@ -130,7 +130,7 @@ fn compare() {
 fn options(how: &str, path: &Path) -> Options {
     let extent = Extent {
         full: how == "full",
-        // One round: what a wider one costs more, it costs both.
+        // One round: widening costs both the same.
         windows: (how != "full").then_some(10),
         ..Extent::default()
     };
@@ -151,7 +151,7 @@ fn used() -> (f64, f64) {
     (cpu.as_secs_f64(), usage.max_rss() as f64 / 1024.0)
 }
 
-/// CPU time of judging with these rules, seconds. A copy knows nothing that was worked out before.
+/// CPU time of judging with these rules, seconds. A copy has no cached estimates.
 fn judged(world: &World, select: &[&str]) -> f64 {
     let rules = Rules::select(select).expect("rules of that name");
     let world = world.clone();
@@ -194,7 +194,7 @@ fn world(run: &Run) -> &World {
     world
 }
 
-/// Prints what the dearest rules take, one by one; what several share is counted with each.
+/// Prints the times of the most expensive rules, one by one; shared work is counted with each.
 fn each_rule(how: &str, path: &Path) {
     let run = engine::collect(&options(how, path)).expect("a sound call");
     let world = world(&run);
@@ -206,7 +206,7 @@ fn each_rule(how: &str, path: &Path) {
         .take(12)
         .map(|(s, code)| format!("{code} {:.0}", s * 1e3))
         .collect();
-    println!("  dearest, each alone, ms: {}", words.join(", "));
+    println!("  most expensive, each alone, ms: {}", words.join(", "));
 }
 
 /// A car with two inertial sensors, odometry, a filter, a receiver of two kinds, and TF.
@@ -264,7 +264,7 @@ topics:
     recipe
 }
 
-/// Writes a recipe's recording; with images at 30 Hz and clouds at 10 Hz between its messages, where wanted.
+/// Writes a recipe's recording; optionally with images at 30 Hz and clouds at 10 Hz between its messages.
 fn write(recipe: &str, has_images: bool, path: &Path) {
     let unfinished = path.with_extension("unfinished");
     let motion = support::build(recipe);

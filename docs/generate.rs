@@ -72,8 +72,7 @@ fn copied(from: &Path, to: &Path) -> Outcome<()> {
 /// The text of a page with its marks replaced by what they stand for.
 fn completed(text: &str) -> Outcome<String> {
     let mut out = String::new();
-    let mut lines = text.lines();
-    while let Some(line) = lines.next() {
+    for line in text.lines() {
         let mark = |open: &str, close: &str| Some(line.trim().strip_prefix(open)?.strip_suffix(close)?.trim());
         if let Some(call) = mark("<!-- run:", "-->") {
             let _ = writeln!(out, "```text\n$ {call}\n{}```", output(call)?);

@@ -1,7 +1,7 @@
-//! Files that are written: whole or not at all, and none that was not meant.
+//! Output files: written completely or not at all, and never over a file that was not meant.
 //!
-//! A file is written beside the place where it will stand, flushed to the disk and put in its place; what stood there stays until then, and
-//! its owner, mode and extended attributes are kept. What is temporary is removed when the program is interrupted as well.
+//! A file is written beside its destination, flushed to disk and moved into place; the old file stays until then, and its owner, mode
+//! and extended attributes are kept. Temporary files are removed when the program is interrupted as well.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
@@ -10,16 +10,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Temporary files and folders that are there.
+/// The temporary files and folders that exist.
 static KNOWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Whether signals end this process, and nobody else waits for them.
+/// Whether this module handles signals, which end the process.
 static IS_PROGRAM: AtomicBool = AtomicBool::new(false);
 
-/// Bytes at the start of a file by which a report is known.
+/// Bytes at the start of a file by which a report is recognised.
 const HEAD: u64 = 4096;
 
-/// What reports, evidence, baselines and views open with, whatever their form.
+/// Text near the start of reports, evidence, baselines and views, for each format.
 const MARKS: &[&str] = &[
     "\"schema\": \"frames-lint",
     "\"schema\":\"frames-lint",
@@ -30,7 +30,7 @@ const MARKS: &[&str] = &[
     " checks passed · ",
 ];
 
-/// From now on temporary files are removed when the process is told to end.
+/// From now on temporary files are removed when a signal ends the process.
 pub fn remove_on_signals() {
     IS_PROGRAM.store(true, Ordering::Relaxed);
 }
@@ -38,13 +38,13 @@ pub fn remove_on_signals() {
 #[cfg(unix)]
 fn wait_for_signals() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
-    // Sent where a file grows over a limit: taken, so that the write fails as it does on a full disk.
+    // Sent when a file exceeds a size limit: caught, so that the write fails as on a full disk.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM, SIGXFSZ]) else {
         return;
     };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().find(|signal| *signal != SIGXFSZ) {
-            // Held until the end, so that nothing new comes to be.
+            // Locked until the end, so that no new file is created.
             let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
             for path in known.iter() {
                 remove(path);
@@ -58,7 +58,7 @@ fn wait_for_signals() {
 fn wait_for_signals() {}
 
 fn remove(path: &Path) {
-    // What cannot be removed is left to whoever cleans up temporary files.
+    // What cannot be removed here is removed with the system's other temporary files.
     let _ = if path.is_dir() {
         fs::remove_dir_all(path)
     } else {
@@ -66,19 +66,19 @@ fn remove(path: &Path) {
     };
 }
 
-/// A file or folder that is gone when this is dropped, and when the program is interrupted.
+/// A file or folder that is removed when this is dropped, and when the program is interrupted.
 #[derive(Debug)]
 pub struct Temporary {
     path: PathBuf,
 }
 
 impl Temporary {
-    /// An empty file in the system's folder for such.
+    /// An empty file in the system's temporary folder.
     pub fn file() -> io::Result<(Self, File)> {
         Self::file_in(&std::env::temp_dir(), "frames-lint-", 0o600)
     }
 
-    /// An empty folder in the system's folder for such, for this user alone.
+    /// An empty folder in the system's temporary folder, accessible to this user only.
     pub fn folder() -> io::Result<Self> {
         let mut builder = fs::DirBuilder::new();
         #[cfg(unix)]
@@ -97,7 +97,7 @@ impl Temporary {
         Self::make(folder, prefix, |path| options.open(path))
     }
 
-    /// Known before it is there, so that no signal comes between. Its name is one that nobody else has.
+    /// Registered before it is created, so that a signal in between removes it. Its name is unique.
     fn make<T>(folder: &Path, prefix: &str, make: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<(Self, T)> {
         static SIGNALS: Once = Once::new();
         if IS_PROGRAM.load(Ordering::Relaxed) {
@@ -113,7 +113,7 @@ impl Temporary {
         Ok((temporary, made))
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -126,16 +126,16 @@ impl Drop for Temporary {
     }
 }
 
-/// A file that is being written. Until it is [kept](Draft::keep), nothing is seen of it.
+/// A file that is being written. It appears at its destination when it is [kept](Draft::keep).
 #[derive(Debug)]
 pub struct Draft {
     file: File,
-    /// Where it is written, and where it will stand; `None` where it is written at once: to a terminal, a pipe or a device.
+    /// The temporary file and the destination; `None` if it is written directly: to a terminal, a pipe or a device.
     place: Option<(Temporary, PathBuf)>,
 }
 
 impl Draft {
-    /// Of the file at `path`, which may be there already, or a link to it.
+    /// For the file at `path`, which may exist, also as a link.
     pub fn of(path: &Path) -> io::Result<Self> {
         let target = behind_links(path);
         let old = match fs::metadata(&target) {
@@ -163,7 +163,7 @@ impl Draft {
         })
     }
 
-    /// Puts it in its place, on the disk.
+    /// Moves it to its destination and flushes it to disk.
     pub fn keep(mut self) -> io::Result<()> {
         self.file.flush()?;
         let Some((temporary, target)) = self.place else {
@@ -172,12 +172,12 @@ impl Draft {
         self.file.sync_all()?;
         fs::rename(&temporary.path, &target)?;
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
-        // There are systems that cannot sync a folder. The file is whole by then.
+        // Some systems cannot sync a folder. The file itself is complete by then.
         let _ = File::open(folder.unwrap_or(Path::new("."))).and_then(|folder| folder.sync_all());
         Ok(())
     }
 
-    /// The path that it is written to, for those who write files by their paths.
+    /// The path of the temporary file, for writers that need a path.
     pub fn path(&self) -> Option<&Path> {
         self.place.as_ref().map(|(temporary, _)| temporary.path())
     }
@@ -193,14 +193,14 @@ impl Write for Draft {
     }
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file, completely or not at all.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut draft = Draft::of(path)?;
     draft.write_all(bytes)?;
     draft.keep()
 }
 
-/// What a link points at, whether that is there or not: a link stays a link.
+/// The target of a link, whether it exists or not: a link stays a link.
 fn behind_links(path: &Path) -> PathBuf {
     if let Ok(target) = fs::canonicalize(path) {
         return target;
@@ -217,15 +217,15 @@ fn keep_attributes(target: &Path, old: &fs::Metadata, new: &Path, file: &File) -
     let made = file.metadata()?;
     if (made.uid(), made.gid()) != (old.uid(), old.gid()) {
         std::os::unix::fs::fchown(file, Some(old.uid()), Some(old.gid())).map_err(|error| {
-            let what = format!("it belongs to another user or group, and that cannot be kept: {error}");
+            let what = format!("it belongs to another user or group, and the owner cannot be kept: {error}");
             io::Error::new(error.kind(), what)
         })?;
     }
-    // Systems without extended attributes have none to keep.
+    // Some systems have no extended attributes.
     for name in xattr::list(target).into_iter().flatten() {
         let value = xattr::get(target, &name)?;
         let kept = value.map_or(Ok(()), |value| xattr::set(new, &name, &value));
-        // Those of the system's own guards are the system's to set.
+        // Attributes of security modules are set by the system itself.
         let is_of_system = ["security.", "trusted."].map(|space| name.to_string_lossy().starts_with(space));
         if !is_of_system.contains(&true) {
             kept?;
@@ -244,28 +244,28 @@ fn keep_attributes(_target: &Path, old: &fs::Metadata, _new: &Path, file: &File)
 pub struct Outputs {
     /// Their paths.
     pub files: Vec<PathBuf>,
-    /// Whether the user allows to replace what is no report.
+    /// Whether the user allows to overwrite files that are not reports.
     pub force: bool,
-    /// The one among them that may be read by the run as well: a baseline that is written anew.
+    /// The one among them that the run may also read: a baseline that is rewritten.
     pub rewritten: Option<PathBuf>,
 }
 
 impl Outputs {
-    /// Whether a file is one of them, by whatever name.
+    /// Whether a file is one of them, also under another name.
     pub fn contain(&self, path: &Path) -> bool {
         self.files
             .iter()
             .any(|file| identity(file).is_some_and(|own| identity(path) == Some(own)))
     }
 
-    /// Whether a file is read, and then written anew.
+    /// Whether a file is read and then rewritten.
     pub fn rewrite(&self, path: &Path) -> bool {
         let own = self.rewritten.as_deref().and_then(identity);
         own.is_some_and(|own| identity(path) == Some(own))
     }
 
-    /// Why they may not be written: one is an input of the run, by whatever name, two are the same, or one is there and no report of ours.
-    /// A report that was met in a folder is no input: `found` may be replaced then, what was `given` may not.
+    /// Why they may not be written: one is an input of the run (also under another name), two are the same file, or one exists and is not
+    /// a report of frames-lint. A report found in a folder is not an input: it may be replaced if it was `found`, not if it was `given`.
     pub fn refused<'p>(
         &self,
         found: impl Iterator<Item = &'p Path>,
@@ -278,14 +278,16 @@ impl Outputs {
             let same = |other: &&PathBuf| resolved(other) == own;
             let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
-                return Some(format!("`{shown}` is two outputs; each needs a file of its own"));
+                return Some(format!(
+                    "`{shown}` is given for two outputs: write each to its own file"
+                ));
             }
             let Some(identity) = identity(file).filter(|_| !is_stream) else {
                 continue;
             };
             if let Some((_, other)) = known.iter().find(|(other, _)| *other == identity) {
                 return Some(format!(
-                    "`{shown}` and `{}` are one file; each output needs its own",
+                    "`{shown}` and `{}` are the same file: write each output to its own file",
                     other.display()
                 ));
             }
@@ -299,7 +301,7 @@ impl Outputs {
         });
         if let Some((input, output)) = input {
             let (input, output) = (input.display(), output.display());
-            return Some(format!("`{output}` is not written: it is the input `{input}`"));
+            return Some(format!("`{output}` is not overwritten: it is the input `{input}`"));
         }
         let (_, foreign) = known
             .iter()
@@ -307,17 +309,17 @@ impl Outputs {
         let shown = foreign.display();
         Some(if is_source(foreign) {
             format!(
-                "`{shown}` is there already, and may be what inputs include or load: it is not replaced, also not with --force"
+                "`{shown}` exists and could be an input (by its extension): it is not overwritten, even with --force"
             )
         } else if foreign.is_dir() {
-            format!("`{shown}` is a folder, no file to write to")
+            format!("`{shown}` is a folder, not a file")
         } else {
-            format!("`{shown}` is there already, and is no report of frames-lint; --force replaces it")
+            format!("`{shown}` exists and is not a report of frames-lint; overwrite it with --force")
         })
     }
 }
 
-/// A path with its folder resolved: what a file is known by that is not there yet.
+/// A path with its folder resolved: identifies a file that does not exist yet.
 fn resolved(path: &Path) -> Option<PathBuf> {
     let absolute = std::path::absolute(path).ok()?;
     match (absolute.parent().map(fs::canonicalize), absolute.file_name()) {
@@ -329,7 +331,7 @@ fn resolved(path: &Path) -> Option<PathBuf> {
 #[cfg(unix)]
 type Identity = (u64, u64);
 
-/// What a file is known by, whatever its name: device and inode.
+/// Identifies an existing file under any name: device and inode.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
@@ -350,28 +352,28 @@ fn is_ours(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
     let head = String::from_utf8_lossy(&head);
-    // Forms of lines name the rule of each finding: `error[CROSS02 extrinsic-relation]`.
+    // Line-based formats name the rule of each finding: `error[CROSS02 extrinsic-relation]`.
     let names_rule = || head.split_whitespace().any(is_code);
     let is_view = || head.starts_with("RRF") && head.contains("frames-lint");
     let is_known = MARKS.iter().any(|mark| head.contains(mark));
     read.is_ok() && (head.is_empty() || head.trim() == "[]" || is_known || names_rule() || is_view())
 }
 
-/// Whether a file is of a kind that robots and drives are described in. What a file includes or loads is known when it has been read, and then it
-/// is too late to refuse.
+/// Whether a file has the extension of an input. Which files an input includes or loads is known only after reading, when it is too late to
+/// refuse.
 fn is_source(path: &Path) -> bool {
     const ENDINGS: [&str; 14] = [
         "bag", "cfg", "db3", "idl", "launch", "mcap", "msg", "py", "sdf", "toml", "urdf", "xacro", "yaml", "yml",
     ];
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    // `init` writes a configuration anew; one that governs the run is refused as an input.
+    // `init` overwrites a configuration; one that governs the run is refused as an input.
     let is_configuration = path.file_name().is_some_and(|name| name == "frames-lint.yaml");
     path.is_file()
         && !is_configuration
         && (ending.is_some_and(|ending| ENDINGS.contains(&&*ending)) || path.ends_with("package.xml"))
 }
 
-/// Whether a word ends in the code of a rule, as the findings of a report have it: `error[CROSS02`, `title=CROSS02`, `"CROSS02`.
+/// Whether a word ends in the code of a rule as in the findings of a report: `error[CROSS02`, `title=CROSS02`, `"CROSS02`.
 fn is_code(word: &str) -> bool {
     let Some((_, code)) = word.rsplit_once(['[', '=', '"']) else {
         return false;
@@ -380,25 +382,24 @@ fn is_code(word: &str) -> bool {
     code.len() == letters.len() + 2 && letters.len() > 2 && letters.bytes().all(|byte| byte.is_ascii_uppercase())
 }
 
-/// Why a fix may not replace a file without a word of the user: it may not be written, has several names, or lies outside of what was
-/// checked.
+/// Why a fix may change a file only with --force: it is read-only, has several names, or is outside of the checked paths.
 pub fn unmeant(path: &Path, checked: &[PathBuf]) -> Option<String> {
     let target = fs::canonicalize(path).ok()?;
     let about = fs::metadata(&target).ok()?;
     if about.permissions().readonly() || !may_be_written(&target) {
-        return Some("it may not be written".to_owned());
+        return Some("it is read-only".to_owned());
     }
     let names = names(&about);
     if names > 1 {
         return Some(format!(
-            "it has {names} names (hard links), and the fix would part them"
+            "it has {names} names (hard links), and the fix would change only one of them"
         ));
     }
     let is_checked = |checked: &PathBuf| fs::canonicalize(checked).is_ok_and(|checked| target.starts_with(checked));
-    (!checked.iter().any(is_checked)).then(|| "it lies outside of what was checked".to_owned())
+    (!checked.iter().any(is_checked)).then(|| "it is outside of the checked paths".to_owned())
 }
 
-/// Whether another file can be put in the place of one: its folder may be written.
+/// Whether a file can be replaced by another: its folder is writable.
 pub fn may_be_replaced(path: &Path) -> bool {
     let target = fs::canonicalize(path);
     target.is_ok_and(|target| target.parent().is_some_and(may_be_written))

@@ -1,7 +1,7 @@
-//! Fixes applied: the edits of findings put into the texts of files, all edits of a fix or none.
+//! Applies fixes: the edits of findings, all edits of a fix or none.
 //!
-//! Plans on texts that were read, and writes what it planned. A file that is not what was read (changed meanwhile, UTF-16, inside a
-//! recording, the expansion of a macro) is left as it is, with the reason.
+//! Plans on the texts that were read, then writes. A file that differs from the text that was read (changed since, UTF-16, inside a
+//! recording, the expansion of a macro) is not changed, and the reason is reported.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use crate::run::Run;
 use crate::source::{Source, SourceId, Span};
 use crate::verdict::{Edit, Finding, Safety};
 
-/// What UTF-8 files may open with.
+/// UTF-8 files may begin with it.
 const BYTE_ORDER_MARK: &str = "\u{feff}";
 
 /// A file with its fixes.
@@ -22,27 +22,27 @@ const BYTE_ORDER_MARK: &str = "\u{feff}";
 pub struct Patch {
     /// Its path.
     pub path: String,
-    /// The text that was read, with a byte order mark where the file has one.
+    /// The text that was read, with a byte order mark if the file has one.
     pub before: String,
     /// The text with the fixes.
     pub after: String,
 }
 
-/// What would be done.
+/// The planned changes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
     /// The files that change, in the order of their paths.
     pub patches: Vec<Patch>,
-    /// Fixes that are in them.
+    /// Number of fixes in them.
     pub fixed: usize,
-    /// Fixes that are not, each with the reason: `robot.urdf: the file has changed`.
+    /// Reasons of the fixes that cannot be applied: `robot.urdf: the file has changed`.
     pub left: Vec<String>,
-    /// Fixes that change behaviour, and were not asked for.
+    /// Number of fixes that change behaviour and were not requested.
     pub not_asked: usize,
 }
 
-/// The fixes of the findings that nobody accepts; of those that change behaviour only where `all` are asked for. Of files that
-/// may not be written, have several names, or lie outside of what was `checked`, only where that is `None`.
+/// Plans the fixes of findings that are not accepted; those that change behaviour only if `all` is set. Files that are read-only, have
+/// several names, or are outside of the `checked` paths are changed only if `checked` is `None`.
 pub fn plan(run: &Run, all: bool, checked: Option<&[PathBuf]>) -> Plan {
     let mut plan = Plan::default();
     let mut edits: BTreeMap<SourceId, Vec<(Span, &str)>> = BTreeMap::new();
@@ -87,7 +87,7 @@ fn about(finding: &Finding) -> String {
     format!("{} on {}", finding.rule, finding.subject)
 }
 
-/// The edits of a fix that are not made yet, if all of them can be made beside those of other fixes.
+/// The edits of a fix that are not planned yet, if none of them conflicts with other fixes.
 fn fits<'e>(
     wanted: &'e [Edit],
     run: &Run,
@@ -98,9 +98,9 @@ fn fits<'e>(
     let mut new: Vec<(SourceId, Span, &str)> = Vec::new();
     for edit in wanted {
         let id = edit.place.source;
-        let source = run.sources.get(id.0 as usize).ok_or("it is in no file")?;
+        let source = run.sources.get(id.0 as usize).ok_or("the fix is not in a file")?;
         texts.entry(id).or_insert_with(|| has_mark(source, checked)).clone()?;
-        let span = edit.place.span().ok_or("it is in no text")?;
+        let span = edit.place.span().ok_or("the fix is not in a text file")?;
         if source.text.get(span.start..span.end).is_none() {
             return Err(format!("{}: the place is not in the text", source.path));
         }
@@ -112,7 +112,7 @@ fn fits<'e>(
                 is_made = true;
             } else if span.start <= other.end && other.start <= span.end {
                 return Err(format!(
-                    "{}: another fix is in the same place; run again for this one",
+                    "{}: another fix changes the same place; run --fix again for this one",
                     source.path
                 ));
             }
@@ -124,32 +124,32 @@ fn fits<'e>(
     Ok(new)
 }
 
-/// Whether the file opens with a byte order mark; why it can't be written, where it is not the text that was read.
+/// Whether the file begins with a byte order mark; the error says why it cannot be changed.
 fn has_mark(source: &Source, checked: Option<&[PathBuf]>) -> Result<bool, String> {
     let path = &source.path;
     if source.derived.is_some() {
         return Err(format!(
-            "{path}: the text is inside it, or is its expansion: fix it where it comes from"
+            "{path}: the text is part of a recording or a xacro expansion; edit its origin by hand"
         ));
     }
     if let Some(why) = checked.and_then(|checked| files::unmeant(Path::new(path), checked)) {
-        return Err(format!("{path}: {why}; --force replaces it all the same"));
+        return Err(format!("{path}: {why}; change it anyway with --force"));
     }
     if !files::may_be_replaced(Path::new(path)) {
-        return Err(format!("{path}: its folder may not be written"));
+        return Err(format!("{path}: its folder is read-only"));
     }
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
-    let text = String::from_utf8(bytes).map_err(|_| format!("{path}: it is not UTF-8; save it so first"))?;
+    let text = String::from_utf8(bytes).map_err(|_| format!("{path}: it is not UTF-8; save it as UTF-8 first"))?;
     match text.strip_prefix(BYTE_ORDER_MARK) {
         Some(rest) if rest == source.text => Ok(true),
         None if text == source.text => Ok(false),
         _ => Err(format!(
-            "{path}: it is not the text that was read: it has changed, or is in another encoding"
+            "{path}: it is not the text that was read: it has changed since, or is not UTF-8"
         )),
     }
 }
 
-/// A text with edits, which are in order and do not touch.
+/// A text with the edits made, which are in order and do not touch.
 fn applied(text: &str, edits: &[(Span, &str)]) -> String {
     let mut out = String::with_capacity(text.len());
     let mut from = 0;
@@ -163,8 +163,7 @@ fn applied(text: &str, edits: &[(Span, &str)]) -> String {
 }
 
 impl Plan {
-    /// Writes the files. Each is written beside itself and then put in its place, so that none is ever half. Gives the paths of those that
-    /// could not be written, with what the system says of it.
+    /// Writes the files, each completely or not at all. Returns the paths that could not be written, with the system's messages.
     pub fn write(&self) -> Vec<String> {
         let written = self.patches.iter().map(|patch| {
             files::write(Path::new(&patch.path), patch.after.as_bytes())
@@ -173,7 +172,7 @@ impl Plan {
         written.filter_map(Result::err).collect()
     }
 
-    /// What changes, as a unified diff that `patch` and `git apply` take.
+    /// The changes as a unified diff for `patch` and `git apply`.
     pub fn diff(&self) -> String {
         self.patches
             .iter()
@@ -188,7 +187,7 @@ impl Plan {
     }
 }
 
-/// A path as `patch -p1` looks for it: from the working directory, or from the root (`patch -p1 -d /`) where it lies elsewhere.
+/// A path for `patch -p1`: relative to the working directory, or to the root (`patch -p1 -d /`) if it is not below it.
 fn from_here(path: &str) -> String {
     let is_plain = |path: &Path| path.components().all(|part| matches!(part, Component::Normal(_)));
     let here = std::env::current_dir().and_then(std::fs::canonicalize);
@@ -295,7 +294,7 @@ mod tests {
         );
         let plan = plan(&run, false, None);
         assert_eq!((plan.fixed, plan.left.len()), (2, 1));
-        assert!(plan.left[0].contains("run again"), "{:?}", plan.left);
+        assert!(plan.left[0].contains("run --fix again"), "{:?}", plan.left);
         assert_eq!(plan.patches[0].after, "01x45w789");
     }
 

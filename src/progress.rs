@@ -1,4 +1,4 @@
-//! The progress bar of reading, on stderr. Shown only on a terminal, and only once reading has taken a second.
+//! The progress bar of reading, on stderr. Shown only on a terminal, after reading has taken a second.
 //!
 //! Several inputs may be read at once: the bar shows their sum.
 
@@ -69,7 +69,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away. Called on drop as well.
+    /// Removes the bar. Called on drop as well.
     pub fn finish(&self) {
         self.with(|state| {
             if let Some(bar) = state.bar.take() {
@@ -92,7 +92,7 @@ impl Drop for Progress {
 }
 
 impl Task<'_> {
-    /// `bytes` of this input are read by now. Steps back are ignored, more than the total counts as the total.
+    /// `bytes` of this input have been read. Backward steps are ignored; more than the total counts as the total.
     pub fn update(&self, bytes: u64) {
         if self.progress.state.is_none() {
             return;
@@ -148,7 +148,7 @@ impl State {
         if let Some(bar) = &self.bar {
             bar.set_length(self.total);
             bar.set_position(self.done);
-            // A file name may hold anything; a control character would break the bar.
+            // A control character in a file name would break the bar.
             bar.set_message(name.replace(char::is_control, "?"));
         }
     }

@@ -1,6 +1,6 @@
 //! The result of one run: inputs, worlds and verdict, as pure data, with the counts and the exit code that follow from it.
 //!
-//! Must not know how a run comes about nor how it is shown.
+//! Does not know how a run is made or shown.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -11,15 +11,15 @@ use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::{Finding, KeptOutcomes, Outcome, Row, Severity, Verdict, Waived};
 use crate::world::World;
 
-/// Exit code of a run that found nothing to complain about.
+/// Exit code of a clean run.
 pub const EXIT_CLEAN: u8 = 0;
 /// Exit code of a run with findings at or above the limit.
 pub const EXIT_FINDINGS: u8 = 1;
-/// Exit code of a call that cannot be carried out.
+/// Exit code of a wrong command line or configuration.
 pub const EXIT_USAGE: u8 = 2;
-/// Exit code of a run that could not look at everything it had to.
+/// Exit code of an incomplete run.
 pub const EXIT_INCOMPLETE: u8 = 3;
-/// Exit code of a fault of ours.
+/// Exit code of an internal error.
 pub const EXIT_CRASHED: u8 = 70;
 
 /// Everything one run read and judged.
@@ -29,23 +29,21 @@ pub struct Run {
     pub sources: Vec<Arc<Source>>,
     /// Outcomes and findings.
     pub verdict: Verdict,
-    /// What is known, one world for each platform that was read. Those of saved evidence are not among them: their
-    /// sources have other ids.
+    /// One world for each platform that was read. Those of saved evidence are not among them: their sources have other ids.
     pub worlds: Vec<World>,
-    /// Every platform of every verdict with the sources that it points at, of saved evidence too: where somebody wants to look at
-    /// them, else none.
+    /// Every platform of every verdict with the sources that it points at, those of saved evidence too; empty unless views are wanted.
     pub seen: Vec<World>,
     /// The rules that ran, in code order.
     pub rules: Vec<&'static Page>,
-    /// Files met in folders that no reader exists for: how many, by extension or name.
+    /// Counts of files in folders for which no reader exists, by extension or name.
     pub skipped: BTreeMap<String, usize>,
-    /// Rules that had to judge, and did not.
+    /// Requirements that are not met.
     pub unmet: Vec<Unmet>,
-    /// Labels of the platforms, where the subjects open with them.
+    /// Labels of the platforms, if subjects begin with them.
     pub platforms: Vec<String>,
-    /// What the configuration says of [`FailOn`].
+    /// [`FailOn`] of the configuration.
     pub fail_on: Option<FailOn>,
-    /// The verdict of each recording, where there are several.
+    /// The verdict of each recording, if there are several.
     pub recordings: Vec<Recording>,
     /// Which outcomes are kept.
     pub kept: KeptOutcomes,
@@ -59,7 +57,7 @@ impl Run {
     }
 }
 
-/// What came to a run: the numbers of new sources, outcomes and findings in it.
+/// What was added to a run: the indices of new sources, outcomes and findings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Grown {
     /// Sources.
@@ -68,7 +66,7 @@ pub struct Grown {
     pub rows: Range<usize>,
     /// Findings.
     pub findings: Range<usize>,
-    /// The recording whose verdict they are, where there are several.
+    /// The recording whose verdict they are, if there are several.
     pub recording: Option<usize>,
 }
 
@@ -84,35 +82,35 @@ impl Grown {
     }
 }
 
-/// A requirement that is not met: a rule that had to judge and did not, or too few checks that were made.
+/// A requirement that is not met: a rule that had to be evaluated and was not, or too few evaluated checks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmet {
-    /// Code of the rule; [`SHARE`] where a share of the checks is required.
+    /// Code of the rule; [`SHARE`] if a share of the checks is required.
     pub rule: String,
     /// Its name.
     pub name: String,
-    /// The subjects that were required, where not any would do.
+    /// The glob of required subjects; `None`: any subject.
     pub subject: Option<String>,
-    /// Why it did not judge.
+    /// Why it was not evaluated.
     pub why: Vec<String>,
     /// What to record or to add, so that it can.
     pub record: Option<String>,
     /// Where it is required, in words: `frames-lint.yaml:4`.
     pub origin: String,
-    /// The recordings that it had to judge, by their labels, where each has a verdict of its own.
+    /// The labels of the recordings for which it is required, if each has a verdict of its own.
     pub recordings: Vec<String>,
-    /// Set where the user accepts that it did not.
+    /// Set if the user accepts that it was not evaluated.
     pub waived: Option<Waived>,
 }
 
-/// What stands in the place of a rule's code where a share of the checks is required.
+/// Replaces a rule's code where a share of the checks is required.
 pub const SHARE: &str = "share";
 
-/// So many recordings are named where a rule had to judge and did not.
+/// Maximum number of recordings named with a requirement that is not met.
 const MAX_NAMED: usize = 5;
 
 impl Unmet {
-    /// Why it did not judge, and in which recordings that is so, where there are several.
+    /// Why it was not evaluated, and in which recordings, if there are several.
     pub fn reasons(&self) -> Vec<String> {
         let mut reasons = self.why.clone();
         let (named, more) = self.recordings.split_at(self.recordings.len().min(MAX_NAMED));
@@ -124,17 +122,17 @@ impl Unmet {
         reasons
     }
 
-    /// Whether a share of the checks is required, and no rule.
+    /// Whether a share of the checks is required, not a rule.
     pub fn is_share(&self) -> bool {
         self.rule == SHARE
     }
 
-    /// What is wrong, in one line: `TREE01 had to be evaluated and was not: ...`.
+    /// What is wrong, in one line: `TREE01 is required but was not evaluated: ...`.
     pub fn words(&self) -> String {
         let what = if self.is_share() {
-            "too few checks were made".to_owned()
+            "too few checks were evaluated".to_owned()
         } else {
-            format!("{} had to be evaluated and was not", self.rule)
+            format!("{} is required but was not evaluated", self.rule)
         };
         format!("{what}: {}", self.reason())
     }
@@ -144,7 +142,7 @@ impl Unmet {
         self.reasons().join("; ")
     }
 
-    /// Whether `other` says the same, be it of other recordings.
+    /// Whether `other` is the same requirement, possibly for other recordings.
     pub fn is_like(&self, other: &Self) -> bool {
         (&self.rule, &self.subject, &self.why, &self.waived) == (&other.rule, &other.subject, &other.why, &other.waived)
     }
@@ -154,21 +152,21 @@ impl Unmet {
 /// the other recordings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// What it is called in reports, and what its subjects open with.
+    /// Its name in reports, with which its subjects begin.
     pub label: String,
     /// Its files: one, or several that were recorded at the same time.
     pub sources: Vec<SourceId>,
     /// Its counts and its verdict.
     pub summary: Summary,
-    /// The exit code that a run of it alone would have.
+    /// The exit code of a run of it alone.
     pub code: u8,
-    /// What decides the verdict: the worst finding that counts, or what could not be looked at.
+    /// The reason of the verdict: the worst finding that counts, or what was not read or evaluated.
     pub because: Option<String>,
-    /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
+    /// Errors and warnings that are not accepted, without hints: the worst of each rule in words, the worst first.
     pub reasons: Vec<(Severity, String)>,
 }
 
-/// From which severity on findings fail a run. Hints never do.
+/// The lowest severity that fails a run. Hints never do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FailOn {
     /// Errors only.
@@ -193,7 +191,7 @@ impl FailOn {
         }
     }
 
-    /// The more findings fail, the higher.
+    /// Higher values make more findings fail.
     pub fn rank(self) -> u8 {
         match self {
             Self::Never => 0,
@@ -218,11 +216,11 @@ impl FailOn {
 /// A run in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VerdictWord {
-    /// Something was checked, everything that had to be read was read, and no finding counts.
+    /// Something was checked, all inputs were read, and no finding counts.
     Clean,
-    /// At least one finding counts. Outranks `Incomplete`: what was found stays found.
+    /// At least one finding counts. Takes precedence over `Incomplete`.
     Findings,
-    /// No finding counts, but something that had to be looked at was not, nothing was checked at all, or a rule crashed.
+    /// No finding counts, but an input was not read, a requirement is not met, nothing was checked, or a rule crashed.
     Incomplete,
 }
 
@@ -246,9 +244,9 @@ pub struct Summary {
     pub warnings: usize,
     /// Findings that are notes.
     pub notes: usize,
-    /// Findings that are hints, whatever their severity.
+    /// Hints of any severity.
     pub hints: usize,
-    /// Rows that apply: all but those for which there is nothing to judge.
+    /// Rows that apply.
     pub applicable: usize,
     /// Of these, the rows that were judged.
     pub judged: usize,
@@ -256,20 +254,20 @@ pub struct Summary {
     pub passed: usize,
     /// Rows that could not be judged.
     pub not_evaluated: usize,
-    /// Of these, the rows for which there is nothing to judge.
+    /// Of these, the rows that do not apply.
     pub not_applicable: usize,
     /// Rows judged wrong all of whose findings the user accepts.
     pub waived: usize,
-    /// Rows judged wrong whose findings others say in their place.
+    /// Rows judged wrong whose findings are explained by findings of other rules.
     pub explained: usize,
-    /// Rules that broke.
+    /// Rules that crashed.
     pub crashed: usize,
     /// The run in one word.
     pub verdict: VerdictWord,
 }
 
 impl Run {
-    /// Adds files that no reader exists for.
+    /// Counts files for which no reader exists.
     pub fn skip(&mut self, files: BTreeMap<String, usize>) {
         for (what, count) in files {
             *self.skipped.entry(what).or_default() += count;
@@ -316,7 +314,7 @@ impl Run {
         }
     }
 
-    /// What decides the verdict, in a few words: the worst finding that counts, else what could not be looked at.
+    /// The reason of the verdict, in a few words: the worst finding that counts, else what was not read or evaluated.
     pub fn because(&self, fail_on: FailOn) -> Option<String> {
         let worst = self
             .verdict
@@ -326,7 +324,7 @@ impl Run {
             .min_by_key(|finding| std::cmp::Reverse(finding.severity));
         let crashed = self.verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed);
         if let Some(row) = crashed {
-            return Some(format!("{} {} broke, a fault of frames-lint", row.rule, row.name));
+            return Some(format!("{} {} crashed (a bug in frames-lint)", row.rule, row.name));
         }
         if let Some(finding) = worst {
             return Some(reason(finding));
@@ -342,12 +340,12 @@ impl Run {
         }
         let lacking: Vec<&str> = self.lacking().map(|unmet| unmet.rule.as_str()).collect();
         if !lacking.is_empty() {
-            return Some(format!("required and not met: {}", lacking.join(", ")));
+            return Some(format!("required but not evaluated: {}", lacking.join(", ")));
         }
-        (!self.verdict.judges_anything()).then(|| "nothing could be checked".to_owned())
+        (!self.verdict.judges_anything()).then(|| "nothing was checked".to_owned())
     }
 
-    /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
+    /// Errors and warnings that are not accepted, without hints: the worst of each rule in words, the worst first.
     pub fn reasons(&self) -> Vec<(Severity, String)> {
         let mut worst: Vec<&Finding> = self.verdict.open().collect();
         worst.retain(|finding| finding.severity >= Severity::Warning && finding.confidence > Confidence::Hint);
@@ -360,7 +358,7 @@ impl Run {
             .collect()
     }
 
-    /// The exit code where nothing was to be judged: 3 when an input could not be read in full or there is none, else 0.
+    /// The exit code of commands that only read: 3 when an input could not be read in full or there is none, else 0.
     pub fn exit_code_of_reading(&self) -> u8 {
         if self.sources.is_empty() || self.unread().next().is_some() {
             EXIT_INCOMPLETE
@@ -369,7 +367,7 @@ impl Run {
         }
     }
 
-    /// Inputs that had to be read and were not, or not in full.
+    /// Inputs that were not read, or not in full.
     pub fn unread(&self) -> impl Iterator<Item = &Source> {
         self.sources
             .iter()
@@ -377,7 +375,7 @@ impl Run {
             .filter(|source| source.required && source.status != ReadStatus::Read)
     }
 
-    /// Requirements that are not met, and nobody accepts that.
+    /// Requirements that are not met, and not accepted.
     pub fn lacking(&self) -> impl Iterator<Item = &Unmet> {
         self.unmet.iter().filter(|unmet| unmet.waived.is_none())
     }

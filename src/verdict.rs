@@ -1,6 +1,6 @@
 //! The verdict: outcomes, findings, measurements and fixes, as pure data.
 //!
-//! Must not know how a verdict is shown, nor which rules exist.
+//! Does not know how a verdict is shown, or which rules exist.
 
 pub mod deference;
 mod finding;
@@ -36,7 +36,7 @@ impl Confidence {
     }
 }
 
-/// What became of one rule on one subject.
+/// The outcome of one rule on one subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
@@ -48,14 +48,14 @@ pub enum Outcome {
     NotEvaluated,
     /// Found wrong, and accepted by the user.
     Waived,
-    /// Found wrong, and said by a finding of another rule.
+    /// Found wrong, and explained by a finding of another rule.
     Explained,
-    /// The rule itself broke.
+    /// The rule itself crashed.
     Crashed,
 }
 
 impl Outcome {
-    /// Whether the rule came to a judgement: a row that is waived was judged before it was accepted.
+    /// Whether the rule was evaluated: a waived row was judged before it was accepted.
     pub fn is_judged(self) -> bool {
         matches!(self, Self::Pass | Self::Fail | Self::Waived | Self::Explained)
     }
@@ -76,9 +76,9 @@ impl Outcome {
 /// Why a rule could not judge a subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotEvaluated {
-    /// There is nothing of the kind the rule is about.
+    /// There is nothing of the kind that the rule checks.
     NotApplicable,
-    /// An input that the rule needs is not there.
+    /// An input that the rule needs is missing.
     MissingInput,
     /// The data are there, but do not suffice to decide.
     TooLittleEvidence,
@@ -87,7 +87,7 @@ pub enum NotEvaluated {
 }
 
 impl NotEvaluated {
-    /// The words that open the reason.
+    /// The words with which the reason begins.
     pub fn word(self) -> &'static str {
         match self {
             Self::NotApplicable => "not applicable",
@@ -107,16 +107,16 @@ pub struct Row {
     pub name: Cow<'static, str>,
     /// What was judged.
     pub subject: String,
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
     /// Why it was not evaluated, or how the rule crashed.
     pub reason: Option<String>,
     /// What was measured.
     pub measured: Vec<Measured>,
-    /// What people would rather look at.
+    /// Plots for people.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plots: Vec<Plot>,
-    /// Planes that were seen in clouds, for those who look at them.
+    /// Planes found in clouds, for views.
     #[serde(skip)]
     pub planes: Vec<SeenPlane>,
 }
@@ -137,7 +137,7 @@ impl Row {
         kinds.into_iter().find(|kind| reason.starts_with(kind.word()))
     }
 
-    /// Whether there is anything here that its rule is about.
+    /// Whether the rule applies.
     pub fn applies(&self) -> bool {
         self.why_not() != Some(NotEvaluated::NotApplicable)
     }
@@ -153,14 +153,14 @@ pub fn judged_of_applicable<'r>(rows: impl IntoIterator<Item = &'r Row>) -> (usi
     })
 }
 
-/// A plane that a rule saw in a cloud: the points p with `normal . p = offset_m`, in the axes of the cloud.
+/// A plane that a rule found in a cloud: the points p with `normal . p = offset_m`, in the axes of the cloud.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPlane {
     /// The topic of the cloud.
     pub topic: String,
     /// When the cloud was logged, nanoseconds.
     pub log_ns: i64,
-    /// Of length one, up.
+    /// Normalised, pointing up.
     pub normal: Vector3<f64>,
     /// Metres.
     pub offset_m: f64,
@@ -173,10 +173,10 @@ pub struct Verdict {
     pub rows: Vec<Row>,
     /// Findings, sorted by severity, rule and place.
     pub findings: Vec<Finding>,
-    /// Findings that others of these say in their place, sorted alike.
+    /// Findings that are explained by others of these, sorted in the same way.
     #[serde(default)]
     pub explained: Vec<Finding>,
-    /// The outcomes and findings that are not among these any more.
+    /// Counts of the outcomes and findings that are not kept.
     #[serde(skip)]
     pub dropped: Tally,
 }
@@ -185,11 +185,11 @@ pub struct Verdict {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     by_outcome: BTreeMap<Outcome, usize>,
-    /// Of those that were not evaluated, the ones that do not apply.
+    /// Of those not evaluated, the ones that do not apply.
     inapplicable: usize,
-    /// Of those that were judged, the ones that are of the robot, and not of what the user accepts.
+    /// Of those judged, the ones about the robot, not about what the user accepts.
     of_robot: usize,
-    /// Findings that nobody has accepted, by severity, and whether they are hints.
+    /// Findings that are not accepted, by severity, and whether they are hints.
     findings: BTreeMap<(Severity, bool), usize>,
 }
 
@@ -232,7 +232,7 @@ pub enum KeptOutcomes {
     Shown,
     /// Those that apply. The others are counted when they are judged.
     Applicable,
-    /// Those that apply, until they are told.
+    /// Those that apply, until they are written.
     Untold,
 }
 
@@ -256,7 +256,7 @@ impl Verdict {
         });
     }
 
-    /// Counts findings instead of keeping them, but for the first of each severity that is more than a hint: it may decide.
+    /// Counts findings instead of keeping them, except the first one of each severity that is not a hint: it may decide the verdict.
     pub fn drop_findings(&mut self) {
         let dropped = &mut self.dropped;
         let mut known = BTreeSet::new();
@@ -286,8 +286,7 @@ impl Verdict {
         )
     }
 
-    /// Whether any rule came to a judgement of the inputs. A waived row was judged before it was accepted; what is said of waivers is no
-    /// judgement of a robot.
+    /// Whether any rule was evaluated on the inputs. A waived row was judged before it was accepted; rules about waivers do not count.
     pub fn judges_anything(&self) -> bool {
         let of_robot = |row: &Row| row.outcome.is_judged() && !row.rule.starts_with(FAMILY);
         self.dropped.of_robot > 0 || self.rows.iter().any(of_robot)
@@ -298,7 +297,7 @@ impl Verdict {
         !self.rows.is_empty() || self.dropped.of(|_| true) > 0
     }
 
-    /// Puts rows and findings into their order: rows by rule and subject, findings by severity (worst first), then
+    /// Sorts rows and findings: rows by rule and subject, findings by severity (worst first), then
     /// rule, subject, place and message.
     pub fn sort(&mut self) {
         // In two steps: of each rule the subjects are nearly in order, for platforms are judged in the order of their paths.
@@ -328,7 +327,7 @@ impl Verdict {
         self.dropped.join(&other.dropped);
     }
 
-    /// Findings that somebody has accepted.
+    /// Findings that are accepted.
     pub fn waived(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.waived.is_some())
     }
@@ -338,19 +337,19 @@ impl Verdict {
         self.dropped.of(|dropped| dropped == outcome) + self.rows.iter().filter(|row| row.outcome == outcome).count()
     }
 
-    /// Findings that nobody has accepted.
+    /// Findings that are not accepted.
     pub fn open(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| finding.waived.is_none())
     }
 
-    /// How many findings that nobody has accepted, and that are more than hints, have this severity.
+    /// The number of findings of this severity that are neither accepted nor hints.
     pub fn count_findings(&self, severity: Severity) -> usize {
         let is_one = |finding: &&Finding| finding.severity == severity && finding.confidence > Confidence::Hint;
         let dropped = self.dropped.findings.get(&(severity, false));
         dropped.unwrap_or(&0) + self.open().filter(is_one).count()
     }
 
-    /// How many findings that nobody has accepted are hints.
+    /// The number of hints that are not accepted.
     pub fn count_hints(&self) -> usize {
         let dropped = self.dropped.findings.iter().filter(|((_, is_hint), _)| *is_hint);
         let is_hint = |finding: &&Finding| finding.confidence == Confidence::Hint;

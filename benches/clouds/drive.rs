@@ -1,7 +1,7 @@
 //! A drive with a lidar of 128 beams and 2048 columns at 10 Hz, an IMU at 100 Hz and odometry at 20 Hz, in a yard with walls.
 //!
-//! The points are laid out as ouster-ros does (48 bytes), measured while the vehicle goes round, in steps of a millimetre, so that
-//! they compress as real ones do.
+//! The points have the layout of ouster-ros (48 bytes) and are measured during the motion, in steps of a millimetre, so that they
+//! compress like real ones.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -21,7 +21,7 @@ const COLUMNS: u32 = 2048;
 const POINT_BYTES: usize = 48;
 /// Bytes of the points of one cloud.
 pub(crate) const CLOUD_BYTES: usize = BEAMS as usize * COLUMNS as usize * POINT_BYTES;
-/// Names, offsets and types of what a point holds.
+/// Names, offsets and types of the fields of a point.
 const FIELDS: [(&str, u32, u8); 9] = [
     ("x", 0, 7),
     ("y", 4, 7),
@@ -34,7 +34,7 @@ const FIELDS: [(&str, u32, u8); 9] = [
     ("range", 32, 6),
 ];
 const START_NS: i64 = 1_700_000_000_000_000_000;
-/// The way is a circle of this radius, gone at this speed to the left.
+/// The path is a circle of this radius, driven at this speed to the left.
 const RADIUS_M: f64 = 15.0;
 const SPEED_M_S: f64 = 5.0;
 /// Half the sides of the yard, and the sensor over the ground, metres.
@@ -137,7 +137,7 @@ fn odometry(t_s: f64) -> Vec<Field<'static>> {
     vec![Field::Text("base_link"), Field::F64s(numbers)]
 }
 
-/// Writes a drive of so many seconds, each cloud in a chunk of its own, as recorders do with messages that large.
+/// Writes a drive of this many seconds, each cloud in its own chunk, as recorders do with messages of this size.
 pub(crate) fn write(path: &Path, seconds: u32) {
     println!("writing {}", path.display());
     let unfinished = path.with_extension("unfinished");

@@ -1,14 +1,14 @@
-//! What the program costs, in instructions: the same number on a busy machine. Every case is held against `baseline.tsv`; 3 % more fails.
+//! The cost of the program in instructions, which does not depend on the load. Every case is compared with `baseline.tsv`; 3 % more fails.
 //!
 //! ```text
 //! cargo test --locked --test instructions            # counts, and compares
-//! UPDATE=1 cargo test --locked --test instructions   # writes a new baseline: the commit says why
+//! UPDATE=1 cargo test --locked --test instructions   # writes a new baseline: give the reason in the commit
 //! ```
 //!
-//! What the program costs for more of the same input is held against the size as well: four times the input may cost six times as much.
+//! The growth with the size of the input is checked as well: four times the input may cost six times as much.
 //!
-//! Counted by Valgrind's callgrind in the program that `cargo test` builds, with one thread. Counts of another compiler are another program's, and
-//! a processor without AVX2 is given other code: where these are not the baseline's nothing is compared, and that is said.
+//! Counted by Valgrind's callgrind in the program that `cargo test` builds, with one thread. Counts depend on the
+//! compiler and on AVX2: if these differ from the baseline's, nothing is compared, and the test reports that.
 
 #![allow(
     clippy::unwrap_used,
@@ -32,7 +32,7 @@ use frames_lint::rules::RULES;
 use rayon::prelude::*;
 use support::left_out;
 
-/// So much more than the baseline fails; so much less asks for a new one.
+/// This much more than the baseline fails; this much less requires a new one.
 const MORE: f64 = 0.03;
 const LESS: f64 = 0.10;
 
@@ -50,7 +50,7 @@ fn case(name: &str, arguments: &[&str]) -> Case {
     }
 }
 
-/// A chain of arms with so many links, with shapes and inertias.
+/// A chain of arms with this many links, with shapes and inertias.
 fn robot(links: usize) -> String {
     let mut text = "<robot name=\"r\">\n<link name=\"base_link\"/>\n".to_owned();
     for link in 1..links {
@@ -104,7 +104,7 @@ base_link:
     rotation: [0.0, 0.0, 0.0, 1.0]
 ";
 
-/// What is counted, with its files in `folder`.
+/// The counted cases, with their files in `folder`.
 fn cases(folder: &Path) -> Vec<Case> {
     let mut cases = vec![case("nothing to read", &["none"])];
     fs::create_dir(folder.join("none")).unwrap();
@@ -130,7 +130,7 @@ fn cases(folder: &Path) -> Vec<Case> {
         fs::copy(folder.join("zstd.mcap"), folder.join(format!("copies/{copy:02}.mcap"))).unwrap();
     }
     cases.push(case("20 recordings", &["--windows", "2", "copies"]));
-    // The rules on evidence that is there already.
+    // The rules on saved evidence.
     fs::create_dir(folder.join("car")).unwrap();
     fs::copy(folder.join("clouds.mcap"), folder.join("car/drive.mcap")).unwrap();
     fs::write(folder.join("car/lidar.yaml"), CALIBRATION).unwrap();
@@ -144,10 +144,10 @@ fn cases(folder: &Path) -> Vec<Case> {
     cases
 }
 
-/// Files with so many of what they hold: names and paths with their texts.
+/// Makes files with a number of items: names and paths with their texts.
 type Sized = fn(usize) -> Vec<(String, String)>;
 
-/// Inputs that can be of any size, most of them with a mistake in each part: looking for what was meant must not look through everything.
+/// Inputs that can be of any size, most of them with a mistake in each part: the search for the intended name must not grow quadratically.
 const SIZED: &[(&str, Sized)] = &[
     ("faulty links", |count| {
         vec![("robot.urdf".to_owned(), faulty_robot(count))]
@@ -290,7 +290,7 @@ fn four_times_the_input_costs_no_more_than_six_times() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Instructions of one call; `None` where Valgrind is not there.
+/// Instructions of one call; `None` without Valgrind.
 fn counted(folder: &Path, case: &Case) -> Option<u64> {
     let ran = Command::new("valgrind")
         .args([
@@ -311,7 +311,7 @@ fn counted(folder: &Path, case: &Case) -> Option<u64> {
     Some(count.unwrap_or_else(|| panic!("{}: {said}", case.name)))
 }
 
-/// What the counts depend on: the compiler's version, and what the processor knows.
+/// What the counts depend on: the compiler's version, and the processor's features.
 fn machine() -> String {
     let ran = Command::new("rustc").arg("--version").output().unwrap();
     let compiler = String::from_utf8(ran.stdout).unwrap().trim().to_owned();
@@ -351,7 +351,7 @@ fn no_case_costs_more_than_its_baseline() {
     for (name, count) in &counts {
         let millions = *count as f64 / 1e6;
         let Some(before) = baseline.get(name) else {
-            faults.push(format!("{name}: {millions:.2} M, and the baseline does not have it"));
+            faults.push(format!("{name}: {millions:.2} M, but missing in the baseline"));
             continue;
         };
         let grown = *count as f64 / before - 1.0;
@@ -364,6 +364,6 @@ fn no_case_costs_more_than_its_baseline() {
     if !head.ends_with(&machine()) {
         return left_out("the baseline of instructions is of another compiler or processor");
     }
-    let advice = "UPDATE=1 writes a new baseline; the commit says why";
+    let advice = "UPDATE=1 writes a new baseline; give the reason in the commit";
     assert!(faults.is_empty(), "{}\n{advice}", faults.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! A fuzzer of one target, which `FUZZ_TARGET` names. Built without `--cfg fuzzing`, it runs the target on the files that it is given.
+//! A fuzzer of one target, which `FUZZ_TARGET` names. Built without `--cfg fuzzing`, it runs the target on the given files.
 #![cfg_attr(fuzzing, no_main)]
 
 use targets::{TARGETS, Target};
@@ -7,12 +7,12 @@ mod support;
 #[path = "../targets/mod.rs"]
 mod targets;
 
-/// The target that is asked for.
+/// The requested target.
 fn target() -> Target {
     let name = std::env::var("FUZZ_TARGET").unwrap_or_default();
     let known = TARGETS.iter().find(|(known, _)| *known == name);
     let names: Vec<&str> = TARGETS.iter().map(|(name, _)| *name).collect();
-    let (_, target) = known.unwrap_or_else(|| panic!("FUZZ_TARGET is none of {}", names.join(", ")));
+    let (_, target) = known.unwrap_or_else(|| panic!("FUZZ_TARGET must be one of {}", names.join(", ")));
     *target
 }
 
@@ -25,7 +25,7 @@ mod fuzzer {
 
     static TARGET: OnceLock<Target> = OnceLock::new();
 
-    /// Panics of the decoders of MCAP and Arrow are caught where they are called. The hook of the fuzzer would end the process before.
+    /// Panics of the MCAP and Arrow decoders are caught by their callers. The fuzzer's hook would end the process before that.
     fn init() {
         let ending = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {

@@ -1,4 +1,4 @@
-//! What recordings are made with, as in the tests.
+//! The writers of recordings, as in the tests.
 
 #![allow(dead_code, missing_docs)]
 

@@ -1,5 +1,4 @@
-//! Any bytes as a message of each type that is read, as CDR and as ROS 1: no panic, no work beyond the bytes that are
-//! there.
+//! Any bytes as a message of each supported type, as CDR and as ROS 1: no panic, no work beyond the bytes.
 use frames_lint::read::messages::content::{Body, MAX_PATH};
 use frames_lint::read::messages::decoder::Decoder;
 use frames_lint::read::messages::definition::Definitions;
@@ -80,7 +79,7 @@ pub fn run(bytes: &[u8]) {
         }
         let Ok(mut cursor) = wire.open(bytes) else { continue };
         if let Ok(transforms) = tf::transforms(cursor.clone()) {
-            // The shortest transform is 12 bytes of header, 4 of child and 56 of numbers: a lying count cannot give more.
+            // The shortest transform is 12 bytes of header, 4 of child and 56 of numbers: a wrong count cannot give more.
             let all: Vec<_> = transforms.collect();
             assert!(all.len() <= bytes.len() / 72 + 1);
             let errors = all.iter().filter(|transform| transform.is_err()).count();

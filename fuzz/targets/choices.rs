@@ -1,6 +1,6 @@
 //! Choices made from bytes, so that a fuzzer finds valid files by itself, and damage that is made the same way.
 
-/// Bytes that choose. When there are no more, zero is chosen.
+/// Bytes that determine choices. After the last byte, zero is chosen.
 pub struct Choices<'a>(&'a [u8]);
 
 impl<'a> Choices<'a> {
@@ -21,12 +21,12 @@ impl<'a> Choices<'a> {
         *first
     }
 
-    /// One of these, of which there is one at least.
+    /// One of these; there must be at least one.
     pub fn of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len())]
     }
 
-    /// A number of everyday size, in thousandths.
+    /// A number of ordinary size, in thousandths.
     pub fn number(&mut self) -> f64 {
         (self.below(8001) as f64 - 4000.0) / 1000.0
     }
@@ -47,7 +47,7 @@ impl<'a> Choices<'a> {
         }
     }
 
-    /// Damages bytes in up to four ways: flipped, overwritten, doubled, taken out, exchanged, cut off.
+    /// Damages bytes in up to four ways: flipped, overwritten, doubled, removed, exchanged, truncated.
     pub fn bend(&mut self, bytes: &mut Vec<u8>) {
         for _ in 0..=self.below(4) {
             let at = self.below(65536) % bytes.len().max(1);

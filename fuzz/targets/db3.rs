@@ -1,4 +1,4 @@
-//! Any bytes as a rosbag2 database: no panic, an end, bounded memory, and a status that says what was read.
+//! Any bytes as a rosbag2 database: no panic, bounded work and memory, and a status that states what was read.
 use frames_lint::read::bag::Sampling;
 use frames_lint::source::SourceKind;
 

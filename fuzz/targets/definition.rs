@@ -1,6 +1,6 @@
 //! Any bytes as a definition in every encoding, and any bytes as a message of its type: no panic, bounded work.
 //!
-//! The input is a definition up to the first byte 0xff, which no text holds, and a message behind it.
+//! The input is a definition up to the first byte 0xff, which no text contains, then a message.
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::Decoder;
@@ -28,7 +28,7 @@ pub fn run(bytes: &[u8]) {
             if let Carried::Types(types) = Carried::read(message_type, schema, schema_encoding)
                 && let Some(linked) = Schema::link(message_type, Some(&types), &definitions)
             {
-                // Every type stands in the text or in the standard packages; none is made twice.
+                // Every type is in the text or in the standard packages; none is parsed twice.
                 let mut names: Vec<&str> = linked.types.iter().map(|one| one.name.as_str()).collect();
                 names.sort_unstable();
                 names.dedup();
@@ -51,13 +51,13 @@ pub fn run(bytes: &[u8]) {
                 if let Body::ChildFrame(child) = &content.body {
                     assert!(child.len() <= MAX_NAME);
                 }
-                // Members take bytes of the message, except for what is empty; each has the outer header at least.
+                // Members take bytes of the message, except for empty ones; each has at least the outer header.
                 assert!(content.members.len() <= 32);
                 for member in &content.members {
                     assert!(!member.field.is_empty() && !matches!(member.body, Body::Nothing));
                     assert!(member.header.is_some() || content.header.is_none());
                     if let Body::Radar(radar) = &member.body {
-                        // The least detection is a range, an azimuth and a rate.
+                        // The smallest detection is a range, an azimuth and a rate.
                         let single = matches!(radar.form, Form::Single(_));
                         assert!(single || radar.total as usize <= message.len() / 12);
                         assert!(radar.echoes.len() <= MAX_ECHOES as usize);

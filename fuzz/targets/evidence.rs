@@ -6,11 +6,11 @@ use frames_lint::run::Run;
 
 static RULES: LazyLock<Rules> = LazyLock::new(|| Rules::select(&[]).expect("all rules can be selected"));
 
-/// What a document says, as a document of ours.
+/// A document, read and written again.
 fn rewritten(bytes: &[u8]) -> Result<String, String> {
     let saved = evidence::parse(bytes)?;
     for world in &saved.worlds {
-        // A panic ends the run, that of a rule too, which a user would see as an outcome.
+        // Any panic ends the run, also that of a rule, which in the program would be an outcome.
         RULES.judge(world);
     }
     let run = Run {

@@ -1,4 +1,4 @@
-//! Any bytes as a feather table: no panic that gets out, no memory without bound.
+//! Any bytes as a feather table: no uncaught panic, bounded memory.
 use frames_lint::read::feather;
 
 /// Runs the target.

@@ -1,4 +1,4 @@
-//! Any bytes as a protobuf message of each type that is read, as JSON, and as a descriptor: no panic, no endless work.
+//! Any bytes as a protobuf message of each supported type, as JSON, and as a descriptor: no panic, bounded work.
 use std::sync::LazyLock;
 
 use frames_lint::read::messages::MAX_NAME;

@@ -1,4 +1,4 @@
-//! A recording made from any bytes, in every format: read wholly, and damaged. What is cut off adds no finding; other damage breaks nothing.
+//! A recording made from any bytes, in every format: read completely, then damaged. Truncation adds no finding; other damage breaks nothing.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -74,7 +74,7 @@ pub fn run(bytes: &[u8]) {
     assert_ne!(bent.exit_code(FailOn::Error), EXIT_CRASHED, "{:?}", bent.verdict.rows);
 }
 
-/// The rules that found something: of two spellings, which one is the odd one out depends on what is read.
+/// The rules that found something: of two spellings, which one is reported depends on what is read.
 fn found(run: &Run) -> BTreeSet<String> {
     let all = run.verdict.findings.iter().chain(&run.verdict.explained);
     all.map(|finding| finding.rule.clone()).collect()

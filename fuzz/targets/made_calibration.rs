@@ -1,4 +1,4 @@
-//! A calibration made from any bytes, in YAML or JSON: every transform is taken as it was made; damaged, nothing breaks.
+//! A calibration made from any bytes, in YAML or JSON: every transform is read as it was made; damage breaks nothing.
 
 use std::fmt::Write;
 
@@ -40,7 +40,7 @@ pub fn run(bytes: &[u8]) {
         );
         let pose = claim.pose.as_ref().expect("the numbers make one");
         assert_eq!(pose.translation_m, made.xyz, "{written}");
-        // The product of two unit quaternions is 1 or -1 where they are one rotation.
+        // The dot product of two unit quaternions is 1 or -1 if they are the same rotation.
         let same: f64 = pose.rotation_xyzw.iter().zip(made.xyzw).map(|(a, b)| a * b).sum();
         assert!((same.abs() - 1.0).abs() < 1e-9, "{same}: {written}");
     }
@@ -92,7 +92,7 @@ fn json(all: &[Made]) -> String {
     format!("{{\"base_link\": {{{}}}}}", each.collect::<Vec<_>>().join(", "))
 }
 
-/// What is read of a file; `None` where it is no text.
+/// What is read of a file; `None` if it is not a text.
 fn read(bytes: &[u8], is_json: bool) -> Option<(Source, Facts)> {
     let kind = if is_json { SourceKind::Json } else { SourceKind::Yaml };
     let mut source = super::source(bytes, "made", kind)?;

@@ -51,7 +51,7 @@ struct Joint {
     rpy: [f64; 3],
 }
 
-/// Up to 20 joints, each of which has a child of its own.
+/// Up to 20 joints, each with its own child.
 fn joints(choices: &mut Choices<'_>) -> Vec<Joint> {
     let number = choices.below(20);
     (0..number)
@@ -99,7 +99,7 @@ fn written(joints: &[Joint], choices: &mut Choices<'_>) -> String {
     out + "</robot>"
 }
 
-/// What is read of a description; `None` where it is no text.
+/// What is read of a description; `None` if it is not a text.
 fn read(bytes: &[u8]) -> Option<(Source, Facts)> {
     let mut source = super::source(bytes, "made.urdf", SourceKind::Urdf)?;
     let facts = urdf::read(&mut source, &urdf::MeshLookup::default());

@@ -1,4 +1,4 @@
-//! Any bytes as an MCAP file: no panic, bounded memory, and a status that says what was read.
+//! Any bytes as an MCAP file: no panic, bounded memory, and a status that states what was read.
 use frames_lint::source::SourceKind;
 
 /// Runs the target.

@@ -1,4 +1,4 @@
-//! Any text as a rosbag2 folder's `metadata.yaml`, beside a file that is no recording: no panic, and a status that says
+//! Any text as a rosbag2 folder's `metadata.yaml`, beside a file that is not a recording: no panic, and a status that states
 //! what was read.
 use frames_lint::collect::{How, collect};
 use frames_lint::read::discover::discover;
@@ -14,7 +14,7 @@ pub fn run(bytes: &[u8]) {
     assert!(!inputs.files.is_empty());
     let mut source = Source::new(SourceId(0), "metadata.yaml", SourceKind::Rosbag2);
     let collected = collect(&path, &How::default(), &mut source, &|_, _| {});
-    // A file that was not closed is never read wholly.
+    // A file that was not closed is never read completely.
     assert!(!source.problems.is_empty());
     for problem in &source.problems {
         if let At::Text(span) = problem.place.at {

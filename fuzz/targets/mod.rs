@@ -1,6 +1,6 @@
-//! What is fuzzed: each target takes any bytes, and panics where a promise is broken.
+//! The fuzz targets: each takes any bytes, and panics if a promise is broken.
 //!
-//! The program of the fuzzers runs them on what libFuzzer makes, the tests on every input that is kept in `fuzz/seeds`.
+//! The fuzzer runs them on the inputs of libFuzzer, the tests on every input in `fuzz/seeds`.
 
 mod cdr;
 mod choices;
@@ -30,7 +30,7 @@ use frames_lint::read::bag::Sampling;
 use frames_lint::read::text;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 
-/// Bytes as a source, where they are a text.
+/// Bytes as a source, if they are a text.
 fn source(bytes: &[u8], name: &str, kind: SourceKind) -> Option<Source> {
     let (text, _note) = text::decode(bytes.to_vec()).ok()?;
     let mut source = Source::new(SourceId(0), name, kind);
@@ -38,7 +38,7 @@ fn source(bytes: &[u8], name: &str, kind: SourceKind) -> Option<Source> {
     Some(source)
 }
 
-/// Collects a recording of these bytes, behind the magic of its format: the interesting ones. What was not read is said.
+/// Collects a recording of these bytes, after the magic bytes of its format. Parts that were not read must be reported.
 fn recorded(magic: &[u8], bytes: &[u8], kind: SourceKind, sampling: Option<Sampling>) {
     let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
     file.write_all(magic).expect("writable");

@@ -1,4 +1,4 @@
-//! Any bytes as a calibration in plain text, in every form: no panic, bounded work.
+//! Any bytes as a calibration in plain text, in every format: no panic, bounded work.
 use frames_lint::read::calibration;
 use frames_lint::source::SourceKind;
 use frames_lint::tables::Tables;

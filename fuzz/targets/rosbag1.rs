@@ -1,4 +1,4 @@
-//! Any bytes as a ROS 1 bag, read wholly and in samples: no panic, bounded memory, and a status that says what was read.
+//! Any bytes as a ROS 1 bag, read completely and in samples: no panic, bounded memory, and a status that states what was read.
 use frames_lint::read::bag::Sampling;
 use frames_lint::source::SourceKind;
 

@@ -80,7 +80,7 @@ pub(super) enum Verb {
     ///
     /// The chain of transforms that leads to the result is written as well.
     Convert(Convert),
-    /// Expand one xacro file; `check` runs this in a separate process for each xacro file
+    /// Expand one xacro file (run by `check` in a separate process for each file)
     #[command(name = engine::EXPAND_XACRO, hide = true)]
     ExpandXacro {
         /// Xacro file
@@ -88,10 +88,10 @@ pub(super) enum Verb {
         /// Arguments of the xacro file
         #[arg(value_name = "NAME:=VALUE", value_parser = xacro_arg)]
         args: Vec<String>,
-        /// Folder that may be read; repeatable [default: all]
+        /// Folder that may be read; repeatable (default: all)
         #[arg(long, value_name = "DIR")]
         allowed: Vec<PathBuf>,
-        /// Base folder of relative paths in the file [default: working directory]
+        /// Base folder of relative paths in the file (default: working directory)
         #[arg(long, value_name = "DIR")]
         from: Option<PathBuf>,
     },
@@ -103,8 +103,8 @@ pub(super) enum Verb {
     },
     /// Write a manual page (roff)
     Man {
-        /// Command to describe [default: the program itself]
-        #[arg(add = ArgValueCandidates::new(verbs))]
+        /// Command to describe (default: the program itself)
+        #[arg(value_name = "COMMAND", add = ArgValueCandidates::new(verbs))]
         verb: Option<String>,
     },
 }
@@ -143,10 +143,10 @@ pub(super) struct Reading {
     /// Read recordings completely, instead of in windows spread over their length
     #[arg(long, conflicts_with_all = ["windows", "budget"])]
     pub(super) full: bool,
-    /// Number of windows to read of each recording [default: as many as the rules need]
+    /// Number of windows to read of each recording (default: as many as the rules need)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) windows: Option<u32>,
-    /// Time limit for reading more of recordings (30s, 2min) [default: none]
+    /// Time limit for reading more of recordings (30s, 2min; default: none)
     ///
     /// More is read where a rule lacks evidence. Without a time limit, up to 2 GiB of each recording are read.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
@@ -156,10 +156,10 @@ pub(super) struct Reading {
 /// Programs that may expand xacro files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Xacro {
-    /// frames-lint alone, without the ROS environment
+    /// frames-lint alone, without environment variables
     #[default]
     Own,
-    /// Also the installed xacro program and the ROS environment
+    /// Also the installed xacro program, with environment variables
     Run,
 }
 
@@ -209,7 +209,7 @@ impl Reading {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Check {
-    /// Files and folders; `-` reads a list of paths from standard input [default: .]
+    /// Files and folders; `-` reads a list of paths from standard input (default: .)
     ///
     /// The list has one path per line, or NUL-separated paths (`git ls-files -z`). With --evidence there is no default.
     #[arg(value_name = "PATH", value_hint = ValueHint::AnyPath)]
@@ -219,7 +219,7 @@ pub(super) struct Check {
     /// Checked like the original inputs, together with the paths on the command line.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) evidence: Vec<PathBuf>,
-    /// Configuration for all inputs [default: each frames-lint.yaml, for its folder]
+    /// Configuration for all inputs (default: each frames-lint.yaml, for its folder)
     ///
     /// Without this option, a frames-lint.yaml applies to its folder and everything below.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -243,7 +243,7 @@ pub(super) struct Check {
     pub(super) watch: bool,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Rules to run: codes, names or families, comma-separated [default: all]
+    /// Rules to run: codes, names or families, comma-separated (default: all)
     #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) select: Vec<String>,
     /// Rules to skip: codes, names or families, comma-separated
@@ -278,7 +278,7 @@ pub(super) struct View {
     pub(super) input: Input,
     /// Configuration that declares conventions of the inputs
     ///
-    /// [default: the nearest frames-lint.yaml in the folders above the inputs]
+    /// Default: the nearest frames-lint.yaml in the folders above the inputs.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
     /// Write the views to a file (open it with `rerun FILE`)
@@ -340,7 +340,7 @@ impl Less {
 pub(super) struct Reporting {
     /// Lowest severity that gives exit code 1; hints never do
     ///
-    /// [default: `fail-on` of the configuration, else error]
+    /// Default: `fail-on` of the configuration, else error.
     #[arg(long, value_enum, value_name = "SEVERITY")]
     pub(super) fail_on: Option<FailOn>,
     /// Format of the report
@@ -441,7 +441,7 @@ pub(super) struct Convert {
     /// Notation (urdf, tf, matrix, quaternion, rpy), or tool (kalibr, fast-lio, ...)
     #[arg(long, value_name = "FORM", value_parser = Targets)]
     pub(super) to: String,
-    /// Convert TARGET_from_SOURCE, over any chain [default: every transform read]
+    /// Convert TARGET_from_SOURCE, over any chain (default: every transform read)
     ///
     /// It takes coordinates expressed in SOURCE to coordinates expressed in TARGET.
     #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
@@ -454,7 +454,7 @@ pub(super) struct Convert {
     pub(super) is: Option<(String, String)>,
     /// Configuration that declares conventions of the inputs
     ///
-    /// [default: the nearest frames-lint.yaml in the folders above the inputs]
+    /// Default: the nearest frames-lint.yaml in the folders above the inputs.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
     /// Write to a file instead of standard output; *.feather gives a Feather file
@@ -487,7 +487,7 @@ pub(super) struct Diff {
     pub(super) format: DiffFormat,
     /// Configuration that declares conventions of both
     ///
-    /// [default: the nearest frames-lint.yaml in the folders above each of the two]
+    /// Default: the nearest frames-lint.yaml in the folders above each of the two.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
     #[command(flatten)]
@@ -504,7 +504,7 @@ pub(super) enum DiffFormat {
 pub(super) struct Init {
     #[command(flatten)]
     pub(super) input: Input,
-    /// File to write, `-` for standard output [default: frames-lint.yaml in first path]
+    /// File to write, `-` for standard output (default: frames-lint.yaml in first path)
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
     /// Overwrite an existing configuration

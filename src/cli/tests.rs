@@ -64,7 +64,7 @@ fn help_version_pages_and_scripts_are_answers() {
         (&["explain", "orphan-subtree"], "What it checks"),
         (&["rules"], "TREE01    orphan-subtree"),
         (&["rules", "--format", "json"], "\"code\": \"TREE01\""),
-        (&["rules", "--format", "markdown"], "<!-- rules:begin -->"),
+        (&["rules", "--format", "markdown"], "| TREE01 | [orphan-subtree](https:"),
         (&["completions", "bash"], "-F _frames_lint frames-lint"),
         (&["man"], ".TH frames-lint 1"),
         (&["man", "check"], "fail"),

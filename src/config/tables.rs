@@ -97,7 +97,7 @@ impl Reader<'_> {
     }
 }
 
-/// A node as plain data. Scalars without quotes are what YAML makes of them.
+/// A node as plain data. Unquoted scalars have the type that YAML gives them.
 fn value(node: &Node) -> serde_yaml::Value {
     match &node.kind {
         Kind::Scalar { text, quoted: true } => serde_yaml::Value::String(text.to_string()),

@@ -11,7 +11,7 @@ pub(super) struct Enabled {
     pub(super) entry: &'static Entry,
     /// Whether it makes plots.
     pub(super) plots: bool,
-    /// Limits of the user's own.
+    /// Limits set by the user.
     pub(super) overrides: BTreeMap<String, Number>,
 }
 

@@ -1,14 +1,14 @@
-//! Evidence as a document: what was read, saved to be judged again where the files are not.
+//! Evidence documents: what was read, saved to be judged later without the files.
 //!
-//! Owns the document's form and its version, and putting several documents into one run. Must not judge.
+//! Owns the document's format and version, and combines several documents into one run. Does not judge.
 //!
 //! ```json
 //! {"schema": "frames-lint-evidence/1", "tool": {"name": "frames-lint", "version": "0.1.0"},
 //!  "skipped": {"pcd": 3}, "sources": [...], "worlds": [...]}
 //! ```
 //!
-//! Sources and worlds stand there as the library keeps them; texts of sources are kept, because findings point into
-//! them. Numbers that JSON cannot hold are words (see [`crate::world::number`]). A change that an older or newer reader
+//! Sources and worlds are written as the library keeps them, with the texts of sources, because findings point into
+//! them. Numbers that JSON does not support are words (see [`crate::world::number`]). A change that an older or newer reader
 //! would misread needs a new schema name.
 
 use std::collections::BTreeMap;
@@ -24,9 +24,9 @@ use crate::source::{Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::visible::json_line;
 use crate::world::World;
 
-/// Name of the document's form.
+/// Name of the document's format.
 pub const SCHEMA: &str = "frames-lint-evidence/1";
-/// Bound on a document, bytes. Evidence of a recording has some megabytes, whatever the recording's length.
+/// Maximum size of a document, bytes. Evidence of a recording has some megabytes, for recordings of any length.
 const MAX_BYTES: u64 = 1 << 30;
 
 #[derive(Serialize)]
@@ -51,7 +51,7 @@ struct Document {
     worlds: Vec<World>,
 }
 
-/// The start of a document, whatever its version.
+/// The start of a document of any version.
 #[derive(Deserialize)]
 struct Head {
     schema: Option<String>,
@@ -63,20 +63,20 @@ struct HeadTool {
     version: Option<String>,
 }
 
-/// What was saved of one run.
+/// The saved data of a run.
 #[derive(Debug, Default)]
 pub struct Saved {
     /// The worlds, each with all sources of the document.
     pub worlds: Vec<World>,
     /// The sources.
     pub sources: Arc<Vec<Arc<Source>>>,
-    /// Files met in folders that no reader exists for.
+    /// Files in folders for which no reader exists.
     pub skipped: BTreeMap<String, usize>,
-    /// The number of the configuration that governs it.
+    /// The index of the configuration that governs it.
     pub governed: usize,
 }
 
-/// The document of what a run read. The same run gives the same bytes.
+/// The evidence document of a run. The same run gives the same bytes.
 pub fn write(run: &Run) -> Result<String, serde_json::Error> {
     json_line(&Written {
         schema: SCHEMA,
@@ -90,7 +90,7 @@ pub fn write(run: &Run) -> Result<String, serde_json::Error> {
     })
 }
 
-/// Reads a document. Where that is not possible there is one source, which says why, and a world with nothing else.
+/// Reads a document. If that fails, returns one source that states why, and an otherwise empty world.
 pub(super) fn read(path: &Path) -> Saved {
     load(path)
         .and_then(|bytes| parse(&bytes))
@@ -127,30 +127,38 @@ fn load(path: &Path) -> Result<Vec<u8>, String> {
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(format!(
-            "is larger than the {} MB that evidence may have",
+            "is larger than {} MB, the maximum size of evidence",
             MAX_BYTES >> 20
         ));
     }
     Ok(bytes)
 }
 
-/// The contents of a document; the error says what is wrong with it, and where.
+/// The contents of a document; the error states what is wrong, and where.
 pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
     let head = match serde_json::from_slice::<Head>(bytes) {
         Ok(head) => head,
-        Err(error) => return Err(format!("is no evidence: {error}")),
+        Err(error) => return Err(format!("is not evidence of frames-lint: {error}")),
     };
     let version = head.tool.and_then(|tool| tool.version);
     let by = version.map_or_else(String::new, |version| format!(" (written by frames-lint {version})"));
     match head.schema {
         Some(schema) if schema == SCHEMA => {}
-        Some(schema) => return Err(format!("is of the form `{schema}`{by}, but `{SCHEMA}` is read")),
-        None => return Err(format!("is no evidence: it does not say `\"schema\": \"{SCHEMA}\"`")),
+        Some(schema) => {
+            return Err(format!(
+                "has the schema `{schema}`{by}, but this version reads `{SCHEMA}`"
+            ));
+        }
+        None => {
+            return Err(format!(
+                "is not evidence of frames-lint: `\"schema\": \"{SCHEMA}\"` is missing"
+            ));
+        }
     }
     let document: Document =
-        serde_json::from_slice(bytes).map_err(|error| format!("is no evidence that can be read{by}: {error}"))?;
+        serde_json::from_slice(bytes).map_err(|error| format!("is damaged evidence{by}: {error}"))?;
     if let Some(fault) = fault(&document) {
-        return Err(format!("contradicts itself: {fault}"));
+        return Err(format!("is damaged evidence: {fault}"));
     }
     let sources = Arc::new(document.sources);
     let mut worlds = document.worlds;
@@ -165,7 +173,7 @@ pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
     })
 }
 
-/// What is wrong with ids: every source stands at its own, and worlds have members that are there.
+/// What is wrong with ids: every source must be at its own, and members of worlds must exist.
 fn fault(document: &Document) -> Option<String> {
     let count = document.sources.len();
     let is_known = |id: &SourceId| (id.0 as usize) < count;

@@ -1,6 +1,6 @@
-//! Reads every input of a run: files in parallel, then the texts that came out of them.
+//! Reads every input of a run: files in parallel, then the texts extracted from them.
 //!
-//! Owns the order of sources. Must not judge, and must not decide which sources belong to one platform.
+//! Owns the order of sources. Does not judge, and does not decide which sources belong to one platform.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -23,7 +23,7 @@ use crate::world::Facts;
 use super::timings::{Phase, Timings};
 use super::{parallel, references};
 
-/// Larger text files are refused: no URDF or calibration is that large.
+/// Maximum size of text files, bytes: no URDF or calibration is larger.
 const MAX_TEXT_BYTES: u64 = 64 * 1024 * 1024;
 
 /// What was read from one source.
@@ -36,19 +36,19 @@ pub(super) struct Reading {
     pub(super) input: usize,
 }
 
-/// A text that came out of a source and is read as a description of a robot or of a sensor.
+/// A text extracted from a source, read as a description of a robot or of a sensor.
 struct Emerged {
     text: String,
     path: String,
     kind: SourceKind,
     derived: Derived,
-    /// Of an expansion: where it is written. Ids of sources are numbers of templates until all of them have one.
+    /// For an expansion: the places where it is written. Source ids are numbers of templates until all sources have an id.
     written: Vec<Written>,
     templates: Vec<Template>,
     input: usize,
 }
 
-/// Reads these of the inputs, whose ids are their numbers; what comes out of them has ids from `emerged_from` on. Readings are ordered by
+/// Reads these of the inputs, whose ids are their indices; extracted sources have ids from `emerged_from` on. Readings are ordered by
 /// source id.
 pub(super) fn gather(
     inputs: &Inputs,
@@ -87,7 +87,7 @@ pub(super) fn gather(
     readings
 }
 
-/// What a xacro loads (`load_yaml`) is judged in its expansion: that the file itself is in a form of its own is no problem then.
+/// A file that a xacro loads (`load_yaml`) is judged in its expansion: that its own format is unknown is not a problem then.
 fn excuse_loaded(readings: &mut [Reading]) {
     let is_loading = |source: &&Source| {
         source.kind == SourceKind::Xacro && source.status == ReadStatus::Read && source.text.contains("load_yaml")
@@ -107,14 +107,14 @@ fn excuse_loaded(readings: &mut [Reading]) {
         let name = name.to_string_lossy();
         if let Some((path, _)) = loading.iter().find(|(_, text)| text.contains(&*name)) {
             source.status = ReadStatus::Read;
-            source.detail = Some(format!("loaded by `{path}`: judged in its expansion"));
+            source.detail = Some(format!("loaded by `{path}`; checked in its expansion"));
             source.problems.clear();
             source.not_understood.clear();
         }
     }
 }
 
-/// Gives the places of expansions the ids of the files that they are in. A file that is no input is put behind the others.
+/// Gives the places of expansions the ids of their files. A file that is not an input is added after the others.
 fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
     if emerged.iter().all(|text| text.templates.is_empty()) {
         return;
@@ -152,7 +152,7 @@ fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
     emerged.append(&mut behind);
 }
 
-/// The id of the source with this number.
+/// The id of the source with this index.
 pub(super) fn source_id(index: usize) -> SourceId {
     SourceId(u32::try_from(index).unwrap_or(u32::MAX))
 }
@@ -182,7 +182,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn
     }
     if source.kind == SourceKind::SensorMetadata {
         let facts = calibration::read_json(&mut source, tables(emerged.input).dialects());
-        // A text that is cut off is no fault of the recording, nor of the call.
+        // A truncated text is neither an error of the recording nor of the command line.
         source.status = source.status.min(ReadStatus::Partial);
         return Reading {
             source,
@@ -212,7 +212,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn
     }
 }
 
-/// File names that some xacro of the run includes: these are parts, not robots, and are not expanded by themselves.
+/// File names that a xacro of the run includes: these are parts, not robots, and are not expanded by themselves.
 fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
     let mut included: Vec<String> = inputs
         .iter()
@@ -225,7 +225,7 @@ fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
         })
         .flat_map(|(own, bytes)| {
             let mut names = xacro_parts::includes(&String::from_utf8_lossy(&bytes));
-            // A file that includes itself is no part: it is a fault, and expanding it says so.
+            // A file that includes itself is not a part but an error, which the expansion reports.
             names.retain(|name| *name != own);
             names
         })
@@ -242,9 +242,9 @@ pub(super) struct Manner<'a> {
     pub(super) means: &'a xacro::Means,
     /// Recordings.
     pub(super) how: &'a How,
-    /// What is known of devices and dialects where the input with this number lies.
+    /// The tables of devices and dialects for the input with this index.
     pub(super) tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
-    /// Where the time goes.
+    /// Time spent.
     pub(super) timings: &'a Timings,
 }
 
@@ -259,7 +259,7 @@ impl Reader<'_> {
     fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<Emerged>) {
         let mut source = Source::new(id, input.display.clone(), input.kind);
         source.required = input.required;
-        // Beside the files of a rosbag2 stands its `metadata.yaml`; the files of a split recording have the input among them.
+        // A rosbag2 has its `metadata.yaml` beside its files; the files of a split recording include the input.
         let own = Some(&input.path).filter(|path| !input.parts.contains(path));
         source.files = own.into_iter().chain(&input.parts).cloned().collect();
         let mut emerged = Vec::new();
@@ -287,7 +287,7 @@ impl Reader<'_> {
                 source.problem(
                     ReadStatus::Unreadable,
                     Place::whole(source.id),
-                    "not a format that is read",
+                    "this format is not supported",
                 );
                 Facts::default()
             }
@@ -318,7 +318,7 @@ impl Reader<'_> {
         };
         let task = self.progress.start(&input.display, parts.iter().map(size).sum());
         let mut how = self.manner.how.clone();
-        // A rosbag2 folder's metadata names its files again, with what it says of them.
+        // A rosbag2 folder's metadata lists its files again, with information about them.
         if input.kind != SourceKind::Rosbag2 {
             how.parts.clone_from(&input.parts);
         }
@@ -347,18 +347,19 @@ impl Reader<'_> {
         let name = input.path.file_name().map(|name| name.to_string_lossy().into_owned());
         let is_part = name.is_some_and(|name| self.included.contains(&name));
         if is_part || xacro_parts::is_library(&source.text) {
-            source.detail = Some("a part for other xacro files: only what needs no expansion was read".to_owned());
+            source.detail =
+                Some("included by other xacro files: only parts that need no expansion were read".to_owned());
             return xacro::read_unexpanded(source, &lookup);
         }
         // Most published `.urdf` files still declare the namespace of the xacro they were made from: their own text is
-        // judged, so that findings point into it.
+        // checked, so that findings point into it.
         if !xacro_parts::needs_expansion(&source.text) {
             source.kind = SourceKind::Urdf;
             return urdf::read(source, &lookup);
         }
         match xacro::expand(&input.path, self.manner.means, &self.inputs.packages_near(&input.path)) {
             Ok(expanded) => {
-                source.detail = Some("expanded; judged in its expansion".to_owned());
+                source.detail = Some("checked in its expansion".to_owned());
                 emerged.push(Emerged {
                     text: expanded.text,
                     written: expanded.written,
@@ -385,7 +386,7 @@ fn with_references(mut facts: Facts, input: &Input) -> Facts {
     facts
 }
 
-/// Fills the source's text. False where there is no text to read; the source then says why.
+/// Fills the source's text. False if there is no text to read; the source then states the problem.
 fn load_text(input: &Input, source: &mut Source) -> bool {
     let id = source.id;
     let whole = Place::whole(id);
@@ -405,7 +406,7 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
         let message = if bytes.is_empty() {
             "the file is empty"
         } else {
-            "the file holds only blanks"
+            "the file contains only whitespace"
         };
         source.problem(ReadStatus::Unreadable, whole, message);
         return false;
@@ -429,8 +430,8 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
     }
 }
 
-/// The bytes of a regular file of bounded size. Discovery has refused everything else; this holds even where a file
-/// grows or is exchanged meanwhile.
+/// The bytes of a regular file of bounded size. Discovery has refused all others; this also holds if a file grows or is replaced
+/// meanwhile.
 fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| format!("cannot be read: {error}");
     let meta = fs::metadata(path).map_err(cannot)?;
@@ -440,14 +441,14 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     let too_large = |bytes: u64| {
         let limit = MAX_TEXT_BYTES >> 20;
         Err(format!(
-            "{} MB are too large for a text of this kind; at most {limit} MB are read",
+            "the file has {} MB; text files of more than {limit} MB are not read",
             bytes >> 20
         ))
     };
     if meta.len() > MAX_TEXT_BYTES {
         return too_large(meta.len());
     }
-    // A file that grows meanwhile is read to its end all the same.
+    // A file that grows meanwhile is read to its end.
     let mut bytes = Vec::with_capacity(usize::try_from(meta.len() + 1).unwrap_or_default());
     let file = fs::File::open(path).map_err(cannot)?;
     file.take(MAX_TEXT_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;

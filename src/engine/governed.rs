@@ -1,5 +1,5 @@
-//! Which configuration governs what: of a platform the nearest above its recordings, else above its robots, else above its files. Of one
-//! that lies deeper, what it says of files counts there.
+//! Which configuration governs what: for a platform the nearest above its recordings, else above its robots, else above its files. A
+//! configuration in a deeper folder governs single files there.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -25,22 +25,22 @@ use super::plan::{self, Choice};
 use super::{Options, Sights, UsageError};
 
 /// Which configuration counts for a platform, whose files may lie under several.
-const PLATFORMS: &str = "each is governed by the configuration nearest above its recordings, else above its robot";
+const PLATFORMS: &str = "use the nearest configuration above their recordings, else above their robot";
 
-/// A configuration, and what follows from it for the platforms that it governs.
+/// A configuration, and its consequences for the platforms that it governs.
 pub(super) struct Governance {
-    /// `None` where there is none.
+    /// `None` if there is none.
     pub(super) config: Option<Config>,
     /// The rules that run, and the limits of all.
     pub(super) choice: Choice,
-    /// The folder that it counts for; empty where that is everything.
+    /// The folder that it governs; empty: everything.
     folder: PathBuf,
 }
 
 impl Governance {
     fn new(options: &Options, file: Option<&Path>, folder: PathBuf) -> Result<Self, UsageError> {
         let profile = options.profile.as_deref().filter(|_| !options.without_config);
-        // Who gives a configuration answers for what it names.
+        // A configuration given by the user may refer to any file.
         let is_given = options.config.as_deref() == file;
         let allowed = file.filter(|_| !is_given && !options.outside);
         let config = config::find(file, profile, allowed.map(|file| AllowedFolders::around([file])))?;
@@ -54,14 +54,14 @@ impl Governance {
 
 /// The configurations of a run.
 pub(super) struct Governed {
-    /// For everything that no other governs.
+    /// The one for everything that no other governs.
     outer: Governance,
     deeper: Vec<Governance>,
-    /// Of each input, by its number, which one governs it: 0 is the outer one.
+    /// For each input, by its index, the one that governs it: 0 is the outer one.
     of_input: Vec<usize>,
-    /// The same of documents of evidence.
+    /// The same for evidence documents.
     of_document: Vec<usize>,
-    /// Those that a platform was asked for.
+    /// Those that govern a platform.
     in_force: Mutex<BTreeSet<usize>>,
 }
 
@@ -101,7 +101,7 @@ impl Governed {
         Ok(governed)
     }
 
-    /// Numbers the layers of all, and tells each what those say that lie deeper.
+    /// Numbers the layers of all, and adds to each the declarations of those in deeper folders.
     fn nest(&mut self, inputs: &Inputs) {
         let mut next = 0;
         for config in self.each_mut().filter_map(|one| one.config.as_mut()) {
@@ -133,22 +133,22 @@ impl Governed {
         self.outer
     }
 
-    /// All of them, by their numbers.
+    /// All of them, by their indices.
     pub(super) fn each(&self) -> impl Iterator<Item = &Governance> {
         std::iter::once(&self.outer).chain(&self.deeper)
     }
 
-    /// The one with this number.
+    /// The one with this index.
     pub(super) fn at(&self, number: usize) -> &Governance {
         self.each().nth(number).unwrap_or(&self.outer)
     }
 
-    /// The number of the one that governs a platform.
+    /// The index of the one that governs a platform.
     pub(super) fn of(&self, world: &World) -> usize {
         let governs = |ids: Vec<SourceId>| {
             let own = ids.iter().filter_map(|id| self.of_input.get(id.0 as usize));
             let own: BTreeSet<&Path> = own.map(|at| self.at(*at).folder.as_path()).collect();
-            // The deepest that counts for all of them.
+            // The deepest one that governs all of them.
             let counts = |(_, one): &(usize, &Governance)| own.iter().all(|folder| folder.starts_with(&one.folder));
             let all = self.each().enumerate().filter(counts);
             let deepest = all.max_by_key(|(_, one)| one.folder.components().count());
@@ -164,14 +164,15 @@ impl Governed {
         at
     }
 
-    /// Says of configurations what has no effect: of those that govern no platform, and of one that would run a program on what it lies in.
-    /// Behind all judging.
+    /// Notes on configurations which keys have no effect: in those that govern no platform, and `xacro` in one among the checked files.
+    /// After all judging.
     pub(super) fn note_idle(&self, options: &Options, sources: &mut [Arc<Source>]) {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         let refused = configs.filter(|config| config.runs_xacro() && !self.runs_xacro(options) && !options.xacro.run);
-        let why = "the configuration lies inside of what is checked, or governs only a part of it; use --xacro run";
+        let why =
+            "the configuration is inside the checked paths, or governs only a part of them; use --xacro run instead";
         for config in refused {
-            note(sources, config, format!("no effect of `xacro`: {why}"));
+            note(sources, config, format!("`xacro` has no effect: {why}"));
         }
         let in_force = self.in_force.lock().map(|known| known.clone()).unwrap_or_default();
         let idle = (1..).zip(&self.deeper).filter(|(at, _)| !in_force.contains(at));
@@ -179,24 +180,24 @@ impl Governed {
             let keys: Vec<String> = config.keys_of_platforms().map(|key| format!("`{key}`")).collect();
             if !keys.is_empty() {
                 let keys = keys.join(", ");
-                let why = "the platform's recordings or description lie outside of this folder";
+                let why = "the platform's recordings or description are outside of this folder";
                 note(sources, config, format!("no effect of {keys}: {why}"));
             }
         }
     }
 
-    /// The number of the one that governs a document of evidence.
+    /// The index of the one that governs an evidence document.
     pub(super) fn of_document(&self, number: usize) -> usize {
         self.of_document.get(number).copied().unwrap_or_default()
     }
 
-    /// What is known of devices and dialects where the input with this number lies.
+    /// The tables of devices and dialects for the input with this index.
     pub(super) fn tables(&self, input: usize) -> Arc<Tables> {
         let at = self.of_input.get(input).copied().unwrap_or_default();
         self.at(at).config.as_ref().map_or_else(Arc::default, Config::tables)
     }
 
-    /// Fields in which the users' drivers of lidars have the times of points.
+    /// Fields with the times of points, from the users' lidar drivers.
     pub(super) fn time_fields(&self) -> Arc<[String]> {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         let fields: BTreeSet<String> = configs.flat_map(|config| config.time_fields().to_vec()).collect();
@@ -210,7 +211,7 @@ impl Governed {
         rules.into_values().collect()
     }
 
-    /// From which severity on findings fail a run: the strictest, where one is named.
+    /// The lowest severity that fails a run: that of the strictest configuration, if any.
     pub(super) fn fail_on(&self) -> Option<FailOn> {
         let governs = |(at, _): &(usize, &Governance)| {
             *at == 0 && self.deeper.is_empty() || self.of_input.contains(at) || self.of_document.contains(at)
@@ -225,20 +226,20 @@ impl Governed {
         strictest.filter(|_| is_named)
     }
 
-    /// Whether comments in what is checked accept findings. Where a configuration is given by name, only if that says so: who wrote what is
-    /// checked may be another than who accepts it.
+    /// Whether comments in the inputs accept findings. With --config, only if that configuration allows it: the author of the inputs may not
+    /// be the one who accepts them.
     pub(super) fn counts_comments(&self, options: &Options) -> bool {
         let said = self.outer.config.as_ref().and_then(Config::counts_comments);
         said.unwrap_or(options.config.is_none())
     }
 
-    /// Whether the `xacro` program may be run: the outer configuration says so, and lies outside of what is checked.
+    /// Whether the `xacro` program may be run: the outer configuration allows it, and is outside of the checked paths.
     pub(super) fn runs_xacro(&self, options: &Options) -> bool {
         let config = self.outer.config.as_ref().filter(|config| config.runs_xacro());
         config.is_some_and(|config| {
             let checked = AllowedFolders::around(options.paths.iter().map(PathBuf::as_path));
             let path = Path::new(config.path());
-            // A link in a folder that is checked is of whoever wrote that folder.
+            // A link inside a checked folder belongs to the author of that folder.
             let folder = std::path::absolute(path)
                 .ok()
                 .and_then(|path| path.parent().map(Path::to_path_buf));
@@ -246,7 +247,7 @@ impl Governed {
         })
     }
 
-    /// Where they stand, those that they extend among them.
+    /// Their paths, including those that they extend.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         configs
@@ -264,7 +265,7 @@ impl Governed {
     }
 }
 
-/// Says something of a configuration, which is among the sources.
+/// Adds a note to a configuration among the sources.
 fn note(sources: &mut [Arc<Source>], config: &Config, words: String) {
     let is_it = |source: &&mut Arc<Source>| source.kind == SourceKind::Configuration && source.path == config.path();
     if let Some(source) = sources.iter_mut().find(is_it) {
@@ -272,10 +273,10 @@ fn note(sources: &mut [Arc<Source>], config: &Config, words: String) {
     }
 }
 
-/// What is in force for a file, and where that is said: names with their values.
+/// The settings in force for a file, and where they are declared: names with their values.
 pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, String)>, UsageError> {
     if !file.exists() {
-        return Err(UsageError(format!("`{}` is not there", file.display())));
+        return Err(UsageError(format!("`{}` does not exist", file.display())));
     }
     let looks = options.config.is_none() && !options.without_config;
     let near = config::nearest(file).filter(|_| looks);
@@ -290,12 +291,15 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
     };
     let files: Vec<String> = config.sources(0).into_iter().map(|source| source.path).rev().collect();
     let mut said = vec![("configuration", files.join(", which extends "))];
-    // What lies above counts for a platform that reaches out of the folder.
+    // A configuration further up governs platforms that extend beyond the folder.
     let further = |file: &Path| file.parent().and_then(Path::parent).and_then(config::nearest);
     let mut above = near.as_deref().and_then(further);
     while let Some(file) = above {
         let shown = config::shown(&file);
-        said.push(("above", format!("{shown}, for platforms that reach out of this folder")));
+        said.push((
+            "above",
+            format!("{shown}, for platforms that extend beyond this folder"),
+        ));
         above = further(&file);
     }
     said.push(("platforms", PLATFORMS.to_owned()));
@@ -365,14 +369,14 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
         let percent = 100.0 * required.share;
         (
             "require",
-            format!("{percent} % of the checks that apply ({})", required.origin),
+            format!("{percent} % of the applicable checks ({})", required.origin),
         )
     }));
     said.extend(config.fail_on().map(|fail_on| ("fail-on", fail_on.word().to_owned())));
     Ok(said)
 }
 
-/// A folder in which an input lies, as the input's path has it.
+/// A parent folder of an input, written as in the input's path.
 fn shown(folder: &Path, input: &Input) -> Option<String> {
     let whole = std::fs::canonicalize(&input.path).ok()?;
     let behind = whole.strip_prefix(folder).ok()?.components().count();

@@ -1,6 +1,6 @@
-//! What the inputs of a run are known by: their hashes, for reports that somebody signs.
+//! Hashes of the inputs of a run, for reports to be signed.
 //!
-//! Reads files again that were read before, as a stream. A file that cannot be read any more has no hash.
+//! Reads the files again, as a stream. A file that can no longer be read has no hash.
 
 use std::fmt::Write;
 use std::fs::File;
@@ -28,7 +28,7 @@ pub fn hash(run: &mut Run) {
 
 fn of(source: &Source) -> Vec<FileHash> {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // A configuration is known as it was read; a profile of the tool is no file.
+    // A configuration is hashed as it was read; a built-in profile is not a file.
     if source.kind == SourceKind::Configuration {
         return vec![FileHash {
             name: name(Path::new(&source.path)),
@@ -38,7 +38,7 @@ fn of(source: &Source) -> Vec<FileHash> {
     if source.kind == SourceKind::Unsupported && source.status != ReadStatus::Read {
         return Vec::new();
     }
-    // What is no regular file may have no end.
+    // A file that is not regular may be endless.
     let is_other = |path: &Path| std::fs::metadata(path).is_ok_and(|about| !about.is_file());
     let files = source.files.iter().filter(|path| !is_other(path));
     files

@@ -1,4 +1,4 @@
-//! Runs the rules over a world. Makes the `not-evaluated` rows a rule's author could forget, and catches a crash.
+//! Runs the rules over a world. Adds `not-evaluated` rows that a rule's author could forget, and catches crashes.
 
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -57,7 +57,7 @@ pub(super) fn judge<'r>(
     }
     deference::match_up(&mut verdict.findings);
     deference::settle(&mut verdict);
-    // What stands in an expansion is shown, and fixed, where it is written.
+    // A place in an expansion is shown, and fixed, where it is written.
     for finding in verdict.findings.iter_mut().chain(&mut verdict.explained) {
         finding.fix = finding.fix.take().and_then(|fix| written_fix(world, fix));
     }
@@ -68,7 +68,7 @@ pub(super) fn judge<'r>(
             label.place = place;
         }
     }
-    // What speaks of the findings comes when all are there.
+    // Rules about the findings run after all others.
     for rule in rules {
         if let Kind::Review(asked) = rule.entry.kind {
             let mut out = Judge::default();
@@ -80,7 +80,7 @@ pub(super) fn judge<'r>(
     verdict
 }
 
-/// A fix whose edits are where their text is written; none where that is computed, or stands there more than once.
+/// A fix with its edits where the text is written; none if the text is computed, or written more than once.
 fn written_fix(world: &World, mut fix: Fix) -> Option<Fix> {
     for edit in &mut fix.edits {
         let source = world.source(edit.place.source);
@@ -100,7 +100,7 @@ fn written_fix(world: &World, mut fix: Fix) -> Option<Fix> {
     Some(fix)
 }
 
-/// What the rules say of what the user accepts.
+/// Runs the rules about what the user accepts.
 pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[&Enabled], verdict: &mut Verdict) {
     for rule in rules {
         let Kind::Policy(asked) = rule.entry.kind else { continue };
@@ -113,24 +113,24 @@ pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[
     }
 }
 
-/// Asks a rule. How it broke, where it did.
+/// Runs a rule. Returns the panic message if it crashed.
 fn crash_of(asked: impl FnOnce()) -> Option<String> {
     let panic = catch_unwind(AssertUnwindSafe(asked)).err()?;
     Some(panic_words(panic.as_ref()))
 }
 
-/// A rule that says nothing had nothing to judge.
+/// A rule without any outcome had nothing to judge.
 fn not_silent(rule: &Enabled, out: &mut Judge) {
     if out.judged.is_empty() {
         out.not_evaluated(
             "platform",
             NotEvaluated::NotApplicable,
-            format!("nothing here to judge ({})", rule.entry.page.subject),
+            format!("nothing to check here ({})", rule.entry.page.subject),
         );
     }
 }
 
-/// What rests on fields that are told by their names alone is a hint, whichever rule it is of.
+/// A finding that depends on fields recognised only by their names is a hint, for every rule.
 fn doubt_guesses(world: &World, out: &mut Judge) {
     for finding in &mut out.findings {
         let guessed = finding
@@ -141,8 +141,8 @@ fn doubt_guesses(world: &World, out: &mut Judge) {
             continue;
         };
         let doubt = format!(
-            "that the fields `{fields}` of `{topic}` are what their names say is a guess (`fields: confirmed` in frames-lint.yaml \
-             settles it)"
+            "the meaning of the fields `{fields}` of `{topic}` is guessed from their names; confirm it with `fields: confirmed` in \
+             frames-lint.yaml"
         );
         finding.help = if finding.help.is_empty() {
             doubt
@@ -171,12 +171,12 @@ fn not_asked(world: &World, missing: &[&str], out: &mut Judge) {
             String::new()
         };
         let missing = missing.join(", ");
-        let reason = format!("{missing}, and not everything could be read: {first}{others}");
+        let reason = format!("{missing}; these inputs could not be read: {first}{others}");
         out.not_evaluated("platform", NotEvaluated::InputBroken, reason);
     }
 }
 
-/// What was measured on a part of a recording says how large the part was.
+/// Adds the share that was read to measurements on a part of a recording.
 fn add_share(world: &World, out: &mut Judge) {
     let share_of = |source| {
         let bag = world.bags.iter().find(|bag| bag.source == source)?;
@@ -197,10 +197,10 @@ fn add_share(world: &World, out: &mut Judge) {
     }
 }
 
-/// What the share is called in reports.
-const SHARE: &str = "share of the messages examined";
+/// The name of the share in reports.
+const SHARE: &str = "share of messages read";
 
-/// A pass without a number is a fault of the rule: nobody could say how it was earned. A finding stands without one.
+/// A pass without a measurement is a bug of the rule. A finding may have none.
 fn unmeasured(out: &Judge) -> Option<String> {
     let silent = out
         .judged
@@ -256,7 +256,7 @@ fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<Strin
     }
 }
 
-/// What a panic said, for the report.
+/// The message of a panic, for the report.
 pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
     let said = panic
         .downcast_ref::<&str>()
@@ -305,9 +305,7 @@ mod tests {
 
     #[test]
     fn an_unmet_need_becomes_a_row_with_its_reason() {
-        let entry = Entry::of_test(&PAGE, &[Need::Robot], Evidence::LEAST, |_, _| {
-            panic!("must not be asked")
-        });
+        let entry = Entry::of_test(&PAGE, &[Need::Robot], Evidence::LEAST, |_, _| panic!("must not run"));
         let verdict = run_with(entry);
         assert_eq!(verdict.rows.len(), 1);
         assert_eq!(verdict.rows[0].outcome, Outcome::NotEvaluated);
@@ -323,7 +321,7 @@ mod tests {
         let verdict = run_with(entry);
         assert_eq!(
             verdict.rows[0].reason.as_deref(),
-            Some("not applicable: nothing here to judge (one for each test)")
+            Some("not applicable: nothing to check here (one for each test)")
         );
     }
 

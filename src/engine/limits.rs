@@ -1,4 +1,4 @@
-//! Limits of the user's own: held against the pages, and brought to their units.
+//! Limits set by the user: checked against the pages, and converted to their units.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::page::Number;
 use super::UsageError;
 use super::enabled::Enabled;
 
-/// Units that can stand for one another, each with its size.
+/// Units that can be converted into one another, each with its size.
 const KINDS: [&[(&str, f64)]; 6] = [
     &[("m", 1.0), ("km", 1000.0), ("cm", 0.01), ("mm", 0.001), ("um", 1e-6)],
     &[
@@ -30,7 +30,7 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
             .iter()
             .any(|known| known.eq_ignore_ascii_case(&limit.rule))
     });
-    let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; limits are those of one rule", limit.rule)))?;
+    let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; set limits for a single rule", limit.rule)))?;
     let page = rule.entry.page;
     let Some(known) = page.limit(&limit.name) else {
         let names: Vec<&str> = page.limits.iter().map(|limit| limit.name).collect();
@@ -52,7 +52,7 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
             format!(" {}", known.unit)
         };
         failed(format!(
-            "`{}` is in {}: write `{example}{unit}`",
+            "`{}` has the unit {}: write it as in `{example}{unit}`",
             limit.name, known.unit
         ))
     })?;
@@ -70,7 +70,7 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
     Ok(())
 }
 
-/// By what a number in the unit that is written is multiplied; `None` where it is none for the unit of the page.
+/// The factor from the written unit to the unit of the page; `None` if they cannot be converted.
 fn factor(written: &str, page: &str) -> Option<f64> {
     if written == page {
         return Some(1.0);

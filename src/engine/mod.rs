@@ -1,4 +1,4 @@
-//! The engine: plan, read, judge. Ties the rooms of the house together and knows no format and no rule by name.
+//! The engine: plan, read, judge. Connects the other modules; knows no format and no rule by name.
 
 mod enabled;
 pub mod evidence;
@@ -54,14 +54,13 @@ pub use policy::write_baseline;
 pub use sampling::Extent;
 pub use timings::Timings;
 
-/// Reads the inputs, judges them, and lays over the verdict what the user accepts and requires. Of several recordings each has a verdict of
-/// its own.
+/// Reads the inputs, judges them, and applies what the user accepts and requires. Each of several recordings has its own verdict.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     check_each(options, &mut |_, _| {})
 }
 
-/// The same, and tells what was judged as soon as it is: a recording after the other, where there are several. Every source, outcome
-/// and finding is told once.
+/// Like [`check`], and reports results as soon as they are known, recording by recording. Every source, outcome and finding is reported
+/// once.
 pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let setup = Setup {
@@ -106,7 +105,7 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     Ok(run)
 }
 
-/// What is the same for everything that a run reads and judges.
+/// Context that is the same for everything that a run reads and judges.
 struct Setup<'o> {
     options: &'o Options,
     governed: Governed,
@@ -114,7 +113,7 @@ struct Setup<'o> {
 }
 
 impl Setup<'_> {
-    /// A run of these rules that has nothing yet.
+    /// An empty run of these rules.
     fn run(&self, sources: Vec<Arc<Source>>, skipped: BTreeMap<String, usize>) -> Run {
         let rules = self.governed.rules().into_iter();
         Run {
@@ -127,7 +126,7 @@ impl Setup<'_> {
         }
     }
 
-    /// What is kept of judged worlds to be looked at, with the sources that they point at.
+    /// What is kept of judged worlds for views, with the sources that they point at.
     fn seen(&self, worlds: &[World]) -> Vec<World> {
         match self.options.sights {
             Sights::Everything => worlds.to_vec(),
@@ -135,11 +134,11 @@ impl Setup<'_> {
         }
     }
 
-    /// One verdict for each world, with the number of what governs it; subjects say which where there are several.
+    /// One verdict for each world, with the index of its configuration; if there are several, subjects begin with the world's name.
     fn judge(&self, worlds: &mut [World], several: bool) -> Vec<(usize, Verdict)> {
         parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
             let judged = self.judge_as(self.governed.of(world), world, several);
-            // A recording may be asked for more, and is compared with others.
+            // More may be read of a recording, and it is compared with others.
             if self.options.sights == Sights::None && world.bags.is_empty() {
                 world.empty();
             } else {
@@ -186,7 +185,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     Ok(run)
 }
 
-/// Judges a document of evidence, and adds it to a run: its sources behind those that are there.
+/// Judges an evidence document, and adds it to a run, its sources after the existing ones.
 fn add_saved(
     setup: &Setup,
     saved: Saved,
@@ -217,7 +216,7 @@ fn add_saved(
     verdicts
 }
 
-/// A document of evidence whose worlds know what the configuration declares.
+/// An evidence document whose worlds have the declarations of the configuration.
 fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
     let governed = saved.governed;
     saved.sources = declare(&mut saved.worlds, saved.sources, &setup.governed, |_| governed);
@@ -228,7 +227,7 @@ fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
 pub struct Rules(Choice);
 
 impl Rules {
-    /// The rules with these codes, names and families; all where there are none.
+    /// The rules with these codes, names and families; all if none are given.
     pub fn select(select: &[&str]) -> Result<Self, UsageError> {
         let select: Vec<String> = select.iter().map(|word| (*word).to_owned()).collect();
         Ok(Self(plan::enabled(&select, &[], None)?))
@@ -239,7 +238,7 @@ impl Rules {
         Ok(Self(Governed::new(options, &Inputs::default())?.into_outer().choice))
     }
 
-    /// What the rules say of a world. Nothing is read, and nothing is asked for again.
+    /// Judges a world. Nothing is read.
     pub fn judge(&self, world: &World) -> Verdict {
         let mut verdict = judge::judge(world, &self.0.rules, &self.0.settings, None, &Timings::default());
         verdict.sort();
@@ -247,7 +246,7 @@ impl Rules {
     }
 }
 
-/// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
+/// Reads the inputs as far as [`check`] with every rule would, and keeps no results.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let all = Options {
@@ -273,7 +272,7 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
     })
 }
 
-/// Reads and judges until no rule lacks evidence that may still be had. `others` worlds are judged beside these.
+/// Reads and judges until no rule lacks evidence that the recordings still contain. `others` worlds are judged together with these.
 fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(usize, Verdict)>, sampling::Plan) {
     let mut plan = sampling::Plan::new(setup.options.extent, &setup.governed.rules());
     let progress = Progress::new(setup.options.progress);
@@ -288,7 +287,7 @@ fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(us
     }
 }
 
-/// Reads the inputs and judges nothing.
+/// Reads the inputs, without judging.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let setup = Setup {
@@ -322,7 +321,7 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     if let Some(why) = refused {
         return Err(UsageError(why));
     }
-    // What the last run reported is no input of this one.
+    // Reports of an earlier run are not inputs.
     inputs.files.retain(|input| !options.outputs.contain(&input.path));
     Ok(inputs)
 }
@@ -337,15 +336,15 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
     Ok(Arc::new(definitions))
 }
 
-/// Tells the worlds what the configurations declare, and adds these to their sources: behind all others, so that their
-/// numbers do not depend on it.
+/// Gives worlds the declarations of the configurations, and adds these to their sources: after all others, whose ids then do not depend
+/// on them.
 fn declare(
     worlds: &mut [World],
     sources: Arc<Vec<Arc<Source>>>,
     governed: &Governed,
     of: impl Fn(&World) -> usize,
 ) -> Arc<Vec<Arc<Source>>> {
-    // Let go by the worlds, the list can be added to where it is.
+    // Released by the worlds, the list can be extended in place.
     for world in worlds.iter_mut() {
         world.sources = Arc::default();
     }
@@ -361,7 +360,7 @@ fn declare(
     sources
 }
 
-/// What a configuration declares of the worlds that it governs.
+/// The declarations of a configuration for the worlds that it governs.
 #[derive(Default)]
 struct Declared {
     conventions: Arc<Conventions>,
@@ -370,7 +369,7 @@ struct Declared {
 }
 
 impl Declared {
-    /// Of every configuration, by its number. Their files become sources behind these.
+    /// For every configuration, by its index. Their files become sources after the existing ones.
     fn all(governed: &Governed, sources: &mut Vec<Arc<Source>>) -> Vec<Self> {
         let first = governed.add_sources(sources);
         let declared = |config: &Config| Self {
@@ -453,7 +452,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.
+/// The sources of all worlds, moved out: texts are large, and a judged world is no longer needed.
 fn take_sources(worlds: &mut [World]) -> Vec<Arc<Source>> {
     let shared = worlds
         .first()

@@ -1,4 +1,4 @@
-//! What a run is asked for, and a call that cannot be carried out.
+//! The options of a run, and the error of a wrong call.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -14,78 +14,78 @@ use crate::verdict::waiver::Day;
 use super::sampling::Extent;
 use super::timings::Timings;
 
-/// What the user asked for.
+/// The options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Files and folders.
     pub paths: Vec<PathBuf>,
-    /// Documents of evidence, judged beside the paths.
+    /// Evidence documents, judged together with the paths.
     pub evidence: Vec<PathBuf>,
     /// Which files of the folders are read.
     pub wanted: Wanted,
-    /// Codes, names and families of the rules to run; all where empty.
+    /// Codes, names and families of the rules to run; empty: all.
     pub select: Vec<String>,
-    /// Codes, names and families of the rules to leave out.
+    /// Codes, names and families of the rules to skip.
     pub ignore: Vec<String>,
-    /// Whether configurations that are found may name files outside of their repositories.
+    /// Whether configurations that are found may refer to files outside of their repositories.
     pub outside: bool,
     /// How xacro files are expanded.
     pub xacro: Means,
-    /// The configuration that [`check`](super::check) uses; the nearest above the inputs where `None`.
+    /// The configuration that [`check`](super::check) uses; `None`: the nearest above the inputs.
     pub config: Option<PathBuf>,
-    /// Whether no configuration is looked for.
+    /// Whether configurations are ignored.
     pub without_config: bool,
-    /// A profile of the tool that the configuration stands on.
+    /// The built-in profile on which the configuration is based.
     pub profile: Option<String>,
     /// A baseline: its findings are accepted.
     pub baseline: Option<PathBuf>,
-    /// From which severity on findings fail a run, for the verdicts of recordings; as the configuration says where `None`.
+    /// The lowest severity that fails a run, for the verdicts of recordings; `None`: that of the configuration.
     pub fail_on: Option<FailOn>,
     /// What has a verdict of its own.
     pub verdicts: Verdicts,
     /// Which outcomes are kept.
     pub outcomes: KeptOutcomes,
-    /// What there is to be looked at besides.
+    /// Data kept for plots and views.
     pub sights: Sights,
-    /// The day on which waivers must still hold; this one in UTC where `None`.
+    /// The date on which waivers must still be valid; `None`: today in UTC.
     pub today: Option<Day>,
     /// How much of recordings is read.
     pub extent: Extent,
     /// The files that will be written.
     pub outputs: Outputs,
-    /// Folders with definitions of messages, for recordings that carry none.
+    /// Folders with message definitions, for recordings that contain none.
     pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
-    /// Where the time goes, if somebody asks.
+    /// Time spent, if wanted.
     pub timings: Timings,
 }
 
 /// What has a verdict of its own in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdicts {
-    /// Each recording, where there are several.
+    /// Each recording, if there are several.
     #[default]
     Each,
     /// Everything.
     One,
 }
 
-/// What a run keeps to be looked at; each has what those before it have.
+/// Data that a run keeps for plots and views; each value includes the ones before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sights {
     /// The verdict alone.
     None,
-    /// What was read of every platform.
+    /// And what was read of every platform.
     #[default]
     Worlds,
     /// The plots of rules.
     Plots,
-    /// Plots, and all that is known of every platform, clouds of points among it.
+    /// And all data of every platform, including point clouds.
     Everything,
 }
 
-/// A call that cannot be carried out as it was made.
+/// A wrong command line or configuration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UsageError(pub String);
 

@@ -1,5 +1,4 @@
-//! The same work on many items, on all cores; on the spot where there is only one item, so that a short run does not
-//! pay for threads.
+//! The same work on many items, on all cores; a single item is processed without threads, to save their cost in short runs.
 
 use rayon::prelude::*;
 

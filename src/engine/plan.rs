@@ -8,7 +8,7 @@ use crate::rules::{Kind, RULES};
 use super::enabled::Enabled;
 use super::{UsageError, limits};
 
-/// Every rule of the tool, in code order of the registry.
+/// Every rule, in the order of the registry (by code).
 fn all() -> Vec<Enabled> {
     RULES.iter().map(Enabled::new).collect()
 }
@@ -23,7 +23,7 @@ pub(super) fn compares(code: &str) -> bool {
 pub(super) struct Choice {
     /// The rules that run.
     pub(super) rules: Vec<Enabled>,
-    /// The limits in force, those of rules that do not run among them: estimates rest on them too.
+    /// The limits in force, including those of rules that do not run: estimates use them too.
     pub(super) settings: Settings,
 }
 
@@ -35,8 +35,8 @@ fn settings(rules: &[Enabled]) -> Settings {
     settings
 }
 
-/// The rules named by `select` without those named by `ignore`; where nothing is selected here, as the configuration says, and all
-/// where it does not say. Limits are those of the configuration.
+/// The rules named by `select` without those named by `ignore`; without a selection here, that of the configuration, else all. Limits are
+/// those of the configuration.
 pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Config>) -> Result<Choice, UsageError> {
     let mut all = all();
     for word in select.iter().chain(ignore) {

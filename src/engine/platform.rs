@@ -1,11 +1,12 @@
 //! Sorts readings into platforms. The nearest folder decides.
 //!
-//! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform, but for a folder that holds
-//! statements and recordings of its own where the robot's has some, too. With several robots, a file goes up from its folder to the first
-//! that holds a robot, in it or below. If that is one robot, the file belongs to it. If there are several, it belongs to the one whose frames
-//! it names most; where that is not one, to the one that its own name or folder names; where that is not one, to the one whose transforms it
-//! states; where that is not one either, it is judged with each of them, and its source says so. A folder beside that of a robot which holds what that one has itself (statements, recordings) is of another
-//! platform. Without any robot, platforms form around the folders of recordings; without these, each folder is one.
+//! A platform forms around a robot, that is a complete description. A tree of folders with one robot is one platform, except for a folder
+//! with its own statements and recordings if the robot's folder has some too. With several robots, the search goes up from a file's folder
+//! to the first folder that contains a robot, in it or below. If that is one robot, the file belongs to it. If there are several, it belongs
+//! to the one whose frames it names most; if that is not unique, to the one that its own name or folder names; if that is not unique, to the
+//! one whose transforms it states; else it is judged with each of them, and its source has a note. A folder beside a robot's folder that
+//! contains the same kinds of files (statements, recordings) is of another platform. Without any robot, platforms form around the folders of
+//! recordings; without recordings, each folder is one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use crate::world::{Facts, FrameId, FrameRole, World};
 
 use super::gather::Reading;
 
-/// A source with its facts, and what says which platform it belongs to.
+/// A source with its facts, and what determines its platform.
 #[derive(Clone)]
 pub(super) struct Member {
     /// The source.
@@ -33,7 +34,7 @@ pub(super) struct Member {
 }
 
 impl Member {
-    /// A source that was read from this input, or came out of it.
+    /// A source read from this input, or extracted from it.
     pub(super) fn new(source: &Source, facts: Facts, input: &Input) -> Self {
         Self {
             id: source.id,
@@ -62,12 +63,12 @@ pub(super) fn members(readings: Vec<Reading>, inputs: &Inputs) -> (Vec<Arc<Sourc
 pub(super) struct Platforms {
     /// Ordered by their first source. Their lists of sources are empty.
     pub(super) worlds: Vec<World>,
-    /// What is to be said of how sources were joined.
+    /// Notes on how sources were joined.
     pub(super) notes: Vec<(SourceId, String)>,
 }
 
 impl Platforms {
-    /// Sorts members. The inputs say where recordings stand, also those that are not among the members.
+    /// Sorts members. The inputs give the places of recordings, also of those that are not among the members.
     pub(super) fn of(members: Vec<Member>, inputs: &Inputs) -> Self {
         let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
         for member in members {
@@ -88,7 +89,7 @@ impl Platforms {
         Self { worlds, notes }
     }
 
-    /// Says of sources how they were joined.
+    /// Adds the notes to the sources.
     pub(super) fn note(&self, sources: &mut [Arc<Source>]) {
         for (id, note) in &self.notes {
             if let Some(source) = sources.iter_mut().find(|source| source.id == *id) {
@@ -122,7 +123,7 @@ fn label(members: &[Member]) -> String {
     }
 }
 
-/// A whole description from a file. Descriptions inside a recording belong to the recording.
+/// A complete description from a file. Descriptions inside a recording belong to the recording.
 fn is_robot(member: &Member) -> bool {
     member
         .facts
@@ -136,7 +137,7 @@ fn is_fragment(member: &Member) -> bool {
     member.facts.robots.iter().any(|robot| robot.fragment.is_some())
 }
 
-/// Members that make a world, and what is to be said of how they came together.
+/// Members of each world, and notes on how they were joined.
 #[derive(Default)]
 struct Clusters {
     members: Vec<Vec<Member>>,
@@ -160,11 +161,11 @@ fn clusters(members: Vec<Member>, recorded: &BTreeSet<PathBuf>) -> Clusters {
     clusters
 }
 
-/// What came out of one input: a recording and its description, a file.
+/// The sources of one input: a recording and its description, or a file.
 struct Unit {
     members: Vec<Member>,
     dir: PathBuf,
-    /// The names that it has for frames: those that it says are frames, then keys that may be names of others.
+    /// Its names of frames: certain ones, then keys that may be names of frames.
     names: [BTreeSet<FrameId>; 2],
     kinds: Kinds,
 }
@@ -212,20 +213,20 @@ fn units(members: Vec<Member>) -> Vec<Unit> {
 /// What a platform forms around.
 struct Anchor {
     dir: PathBuf,
-    /// The file; the folder, where that is what it is.
+    /// The file, or the folder if it is a folder.
     path: PathBuf,
     frames: BTreeSet<FrameId>,
     name: String,
 }
 
-/// A file that may be of more robots than this is judged with none of them.
+/// A file that may belong to more robots than this is judged with none of them.
 const MAX_CANDIDATES: usize = 4;
 
-/// Where a unit belongs.
+/// The platforms of a unit.
 enum Home {
-    /// To these anchors, each of them.
+    /// Each of these anchors.
     With(Vec<usize>),
-    /// To none. These are what it might have belonged to.
+    /// None. These are the candidates.
     Alone(Vec<usize>),
 }
 
@@ -236,15 +237,15 @@ enum Around {
     Recordings,
 }
 
-/// The folders of a run with what stands in them.
+/// The folders of a run with their contents.
 struct Layout<'a> {
     anchors: &'a [Anchor],
     /// The anchors in each folder and below it.
     within: BTreeMap<&'a Path, Vec<usize>>,
-    /// What stands in each folder and below it.
+    /// The contents of each folder and below.
     kinds: BTreeMap<&'a Path, Kinds>,
     root: &'a Path,
-    /// What the platforms form around.
+    /// The anchors of the platforms.
     around: Around,
 }
 
@@ -256,7 +257,7 @@ impl Layout<'_> {
             let is_here = |at: &usize| self.anchors.get(*at).is_some_and(|anchor| anchor.dir == folder);
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
             return match (here.as_slice(), unit.dir == folder) {
-                // In a large collection the top folder makes no neighbours.
+                // In a large collection, folders below the top folder are not related.
                 ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(Vec::new()),
                 ([], false) => {
                     let here = self.side(folder, &unit.dir);
@@ -270,27 +271,27 @@ impl Layout<'_> {
         Home::Alone(Vec::new())
     }
 
-    /// What stands in that folder below this one in which another stands, or which that one is.
+    /// The contents of the direct subfolder of this folder that contains or is the other folder.
     fn side(&self, folder: &Path, dir: &Path) -> Kinds {
         let below = dir.strip_prefix(folder).ok().and_then(|below| below.iter().next());
         let side = folder.join(below.unwrap_or_default());
         self.kinds.get(side.as_path()).copied().unwrap_or_default()
     }
 
-    /// Whether an anchor's side of a folder lacks what the side of the unit has: the two may be one platform, split by kinds of files.
+    /// Whether the anchor's subfolder lacks the kinds of files in the unit's subfolder: the two may be one platform, split by kinds of files.
     fn is_open(&self, folder: &Path, anchor: usize, here: Kinds) -> bool {
         let Some(anchor) = self.anchors.get(anchor) else {
             return false;
         };
         let there = self.side(folder, &anchor.dir);
         match self.around {
-            // One robot is all there is, unless a folder beside it has everything that makes another platform.
+            // With one robot, everything belongs to it, unless a folder beside it has everything of another platform.
             Around::Robot => !(here.states && here.records && (there.states || there.records)),
             Around::Robots | Around::Recordings => !there.has_any_of(here),
         }
     }
 
-    /// Of several anchors, those whose frames the unit names most.
+    /// Those of several anchors whose frames the unit names most.
     fn choose(&self, open: Vec<usize>, near: &[usize], unit: &Unit) -> Home {
         if open.len() == 1 && near.len() == 1 {
             return Home::With(open);
@@ -320,14 +321,14 @@ impl Layout<'_> {
             return Home::With(homes);
         }
         let mut beside = best(near);
-        // What states transforms is missed where it is not judged.
+        // A file that states transforms must be judged somewhere.
         if beside.is_empty() && unit.kinds.states {
             beside = self.nearest(near.to_vec(), &unit.dir);
         }
         Home::Alone(beside)
     }
 
-    /// Of these anchors, those that a file has its name from, or a folder in which it stands: `calibration/alpha.yaml` of `urdf/alpha.urdf`.
+    /// Those of these anchors after which a file, or one of its folders, is named: `calibration/alpha.yaml` of `urdf/alpha.urdf`.
     fn called_alike(&self, anchors: Vec<usize>, unit: &Unit) -> Vec<usize> {
         let path = unit
             .members
@@ -361,7 +362,7 @@ impl Layout<'_> {
         found.unwrap_or(anchors)
     }
 
-    /// Those of these anchors that the fewest steps from folder to folder lead to.
+    /// Those of these anchors that are the fewest folders away.
     fn nearest(&self, anchors: Vec<usize>, from: &Path) -> Vec<usize> {
         let steps = |at: &usize| {
             self.anchors.get(*at).map_or(usize::MAX, |anchor| {
@@ -409,7 +410,7 @@ fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<Path
     clusters
 }
 
-/// What stands beside recordings, or below or beside their folders, is judged with them; the rest folder by folder.
+/// Files beside recordings, or below or beside their folders, are judged with them; the others folder by folder.
 fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path) -> Clusters {
     let anchor = |dir: &PathBuf| Anchor {
         dir: dir.clone(),
@@ -491,10 +492,10 @@ fn distributed(
                 let names = layout.names(&homes);
                 let note = match homes.len() {
                     _ if around == Around::Recordings => None,
-                    1 if is_by_numbers => Some(format!("judged with {names}, whose transforms it states")),
+                    1 if is_by_numbers => Some(format!("checked together with {names}, whose transforms it states")),
                     0 | 1 => None,
                     _ => Some(format!(
-                        "judged with each of {names}: folders and names of frames do not tell whose it is"
+                        "checked together with each of {names}: neither folders nor frame names show to which robot it belongs"
                     )),
                 };
                 clusters.notes.extend(id.zip(note));
@@ -508,7 +509,7 @@ fn distributed(
                 if !beside.is_empty() {
                     let names = layout.names(&beside);
                     let note = format!(
-                        "judged without {names}: folders and names of frames do not tell whether it belongs there"
+                        "checked without {names}: neither folders nor frame names show whether it belongs to them"
                     );
                     clusters.notes.extend(id.map(|id| (id, note)));
                 }
@@ -519,12 +520,12 @@ fn distributed(
     (clusters, alone)
 }
 
-/// The robots that files were held against, by their numbers.
+/// The robots that files were compared with, by their indices.
 #[derive(Default)]
 struct Robots(BTreeMap<usize, World>);
 
 impl Robots {
-    /// Of these robots, those whose transforms the unit states, of several the ones that fit best.
+    /// Those of these robots whose transforms the unit states; of several, the ones that match best.
     fn fitting(&mut self, among: &[usize], clusters: &Clusters, unit: &Unit) -> Vec<usize> {
         let mut known: Vec<(Fit, usize)> = Vec::new();
         for at in among {
@@ -546,7 +547,7 @@ impl Robots {
 fn names_of(member: &Member, are_keys: bool) -> impl Iterator<Item = FrameId> {
     let used = member.facts.frames.iter();
     let used = used.filter(move |used| (used.role == FrameRole::CalibrationLabel) == are_keys);
-    // Of sensors in a list, the key is the frame (`extrinsics: {lidar: ...}`).
+    // In a list of sensors, the key is the frame (`extrinsics: {lidar: ...}`).
     let claims = member.facts.claims.iter().filter(move |_| are_keys);
     let keys = claims.flat_map(|claim| claim.frames.iter().flat_map(|(target, source)| [target, source]));
     used.map(|used| &used.frame).chain(keys).map(FrameId::canonical)
@@ -558,7 +559,7 @@ fn stem(path: &Path) -> String {
     name.split('.').next().unwrap_or_default().to_lowercase()
 }
 
-/// The lowest folder that holds all of these.
+/// The deepest folder that contains all of these.
 fn common_folder<'p>(mut folders: impl Iterator<Item = &'p Path>) -> PathBuf {
     let first = folders.next().map(Path::to_path_buf).unwrap_or_default();
     folders.fold(first, |common, folder| {

@@ -1,4 +1,4 @@
-//! Lays over a run what the user accepts and requires: the policy of the configuration, a baseline, today, and the rules that speak of waivers.
+//! Applies what the user accepts and requires: the policy of the configuration, a baseline, today's date, and the rules about waivers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -26,36 +26,36 @@ use super::{Options, UsageError, judge};
 
 /// What the user accepts and requires, for every verdict of a run.
 pub(super) struct RunPolicy<'a> {
-    /// By the numbers of the configurations.
+    /// By the indices of the configurations.
     each: Vec<Governing>,
-    /// Every rule of the tool.
+    /// Every rule.
     rules: Vec<&'static Page>,
-    /// The folder that the paths of the baseline start from, where there is one.
+    /// The base folder of the baseline's paths, if there is a baseline.
     folder: Option<PathBuf>,
     today: Day,
     enabled: Vec<&'a Enabled>,
-    /// Whether comments in what is checked accept findings.
+    /// Whether comments in the inputs accept findings.
     comments: bool,
 }
 
 /// The policy of one configuration.
 struct Governing {
     policy: Policy,
-    /// Codes of the rules that are asked.
+    /// Codes of the rules that run.
     asked: BTreeSet<String>,
 }
 
-/// What is known besides a verdict, where it is looked through for what is required.
+/// What requirements are checked against besides a verdict.
 #[derive(Default)]
 pub(super) struct Demanded<'a> {
-    /// Outcomes of what stands beside it and was judged by itself.
+    /// Outcomes of what was judged beside it.
     pub(super) beside: &'a [Row],
-    /// Label of the recording, where each has a verdict of its own.
+    /// Label of the recording, if each has its own verdict.
     pub(super) recording: Option<&'a str>,
 }
 
 impl<'a> RunPolicy<'a> {
-    /// Reads the baseline, which becomes a source behind these; the configurations are among them already.
+    /// Reads the baseline, which becomes a source after the existing ones, which include the configurations.
     pub(super) fn new(
         options: &'a Options,
         governed: &'a Governed,
@@ -102,7 +102,7 @@ impl<'a> RunPolicy<'a> {
         })
     }
 
-    /// Lays over verdicts what the configurations with these numbers accept and, where that is asked, require. One verdict of all.
+    /// Applies to verdicts what the configurations with these indices accept and, if wanted, require. Returns one verdict of all.
     pub(super) fn lay(
         &self,
         verdicts: impl IntoIterator<Item = (usize, Verdict)>,
@@ -143,7 +143,7 @@ impl<'a> RunPolicy<'a> {
         self.each.iter().any(|one| !one.policy.required.is_empty())
     }
 
-    /// Ends a run: what was required and what became of every acceptance, with the rules that speak of that.
+    /// Ends a run: requirements, the effect of every acceptance, and the rules about these.
     pub(super) fn close(&self, laid: Laid, run: &mut Run) {
         let asked = self.each.iter().flat_map(|one| one.asked.iter().cloned()).collect();
         let passed = self.with(&run.sources, &run.platforms, &asked, |context| {
@@ -177,7 +177,7 @@ impl<'a> RunPolicy<'a> {
     }
 }
 
-/// Writes the findings of a run to a baseline, and accepts them in the run. Says how many they are.
+/// Writes the findings of a run to a baseline, and accepts them in the run. Returns their number.
 pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
     let folder = folder_of(path);
     let document = baseline::of(
@@ -199,7 +199,7 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
     Ok(document.findings.iter().map(|entry| entry.count).sum())
 }
 
-/// The path of a source from a folder of a baseline, where it lies below it; else as it is.
+/// The path of a source relative to the folder of a baseline if it is below it, else unchanged.
 fn path_from(folder: Option<&Path>, source: &Source) -> String {
     let below = || {
         let whole = std::fs::canonicalize(&source.path).ok()?;
@@ -216,14 +216,14 @@ fn folder_of(baseline: &Path) -> Option<PathBuf> {
     std::fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()
 }
 
-/// A baseline, as a source of the run, and where its entries stand.
+/// A baseline, as a source of the run, and the places of its entries.
 fn read_baseline(path: &Path) -> Result<(Document, Source, Vec<Span>), UsageError> {
     let shown = path.display().to_string();
     let failed = |what: String| UsageError(format!("baseline `{shown}`: {what}"));
     let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
     let document: Document = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
     if document.schema != baseline::SCHEMA {
-        let what = format!("it is `{}`, not `{}`", document.schema, baseline::SCHEMA);
+        let what = format!("its schema is `{}`, not `{}`", document.schema, baseline::SCHEMA);
         return Err(failed(what));
     }
     let parsed = events::build(&text, &OffsetMap::default());

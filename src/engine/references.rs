@@ -1,12 +1,12 @@
-//! Finds out whether the calibration files that other files name are there.
+//! Finds out whether the calibration files that other files refer to exist.
 
 use std::fs;
 use std::path::Path;
 
 use crate::world::{FileReference, ReferenceState};
 
-/// Sets the state of each reference. Relative paths count from the folder of the file that states them; an absolute
-/// path that is not there may belong to another machine, and is unknown.
+/// Sets the state of each reference. Relative paths are relative to the folder of the file that states them; an absolute path that does
+/// not exist may belong to another machine, so its state is unknown.
 pub(super) fn resolve(references: &mut [FileReference], folder: &Path) {
     for reference in references {
         let path = Path::new(&reference.path.value);

@@ -1,11 +1,11 @@
-//! Sources that were numbered in a part of a run get the numbers that they have in the whole.
+//! Converts source ids of a part of a run to those of the whole run.
 
 use std::sync::Arc;
 
 use crate::source::{Place, Source, SourceId};
 use crate::verdict::Verdict;
 
-/// From which id on sources are moved, and by how many.
+/// The first id that is shifted, and by how much.
 #[derive(Clone, Copy)]
 pub(super) struct Renumber {
     from: u32,
@@ -13,7 +13,7 @@ pub(super) struct Renumber {
 }
 
 impl Renumber {
-    /// What was numbered from `from` on stands at `at` and behind it.
+    /// Ids from `from` on are shifted to begin at `at`.
     pub(super) fn behind(from: usize, at: usize) -> Self {
         let whole = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         Self {
@@ -22,7 +22,7 @@ impl Renumber {
         }
     }
 
-    /// Whether every source keeps its number.
+    /// Whether every source keeps its id.
     pub(super) fn is_none(self) -> bool {
         self.by == 0
     }

@@ -1,6 +1,6 @@
-//! How much of a recording is read: what the rules ask for at first, and more where that did not suffice.
+//! How much of a recording is read: at first what the rules need, and more if that does not suffice.
 //!
-//! Owns the numbers of sampling and the decision to widen. Must not read anything.
+//! Owns the parameters of sampling and the decision to widen it. Does not read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -15,31 +15,31 @@ use crate::world::bag::TopicEvidence;
 
 use super::enabled::Enabled;
 
-/// Bytes of messages that a recording is sampled with at first. A recording that holds less is read wholly. Zstandard
-/// gives about a gigabyte a second: a tenth of a second for every recording, whatever its length.
+/// Bytes of messages in the first sample of a recording. A smaller recording is read completely. Zstandard decompresses about a gigabyte
+/// per second: a tenth of a second for every recording of any length.
 const FIRST_BYTES: u64 = 80 << 20;
-/// How many of the windows go on for scans that are too large for them, and bytes of each: two seconds of a lidar of 128 beams and 2048
-/// columns at 10 Hz, 48 bytes a point.
+/// Number of windows that are extended for large scans, and bytes of each: two seconds of a lidar with 128 beams and 2048 columns at 10 Hz,
+/// 48 bytes per point.
 const CARRIED: Carried = Carried {
     runs: 10,
     bytes: 256 << 20,
 };
-/// What one widening multiplies the bytes and the windows by.
+/// The factor for bytes and windows of one widening.
 const WIDENING: u32 = 4;
-/// Bytes of recordings that may be read in all rounds, where no time is given. Work and not time: what is found does not depend on the load of
-/// the machine.
+/// Bytes of recordings that may be read in all rounds if no time limit is given. Not a time: results do not depend on the load of the
+/// machine.
 const WORK_BYTES: u64 = 2 << 30;
 
-/// What the user says of sampling.
+/// The user's options of sampling.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extent {
     /// Read everything.
     pub full: bool,
-    /// Number of windows, instead of what the rules ask for; the sampling is not widened then.
+    /// Number of windows, instead of what the rules need; the sampling is not widened then.
     pub windows: Option<u32>,
-    /// Time until which the sampling is widened.
+    /// Time limit of widening.
     pub budget: Option<Duration>,
-    /// Bytes of messages that a recording is sampled with at first, instead of the usual.
+    /// Bytes of messages in the first sample of a recording, instead of the default.
     pub bytes: Option<u64>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Plan {
     read_bytes: u64,
     /// Rows that lacked evidence in the round before.
     lacking: Option<usize>,
-    /// The time after which no more was read though rules lacked evidence.
+    /// The time limit that ended the reading while rules lacked evidence.
     cut: Option<Duration>,
 }
 
@@ -79,13 +79,13 @@ impl Plan {
         }
     }
 
-    /// What is read in this round; everything where `None`.
+    /// What is read in this round; `None`: everything.
     pub(super) fn sampling(&self) -> Option<Sampling> {
         self.current
     }
 
-    /// Whether another round is worth its time: some rule lacked evidence that a recording still holds, the round before
-    /// brought something, and the time or the bytes suffice.
+    /// Whether another round is useful: a rule lacked evidence that a recording still contains, the previous round improved something, and
+    /// the time or the bytes suffice.
     pub(super) fn widen(&mut self, worlds: &[World], verdicts: &[(usize, Verdict)]) -> bool {
         let Some(sampling) = &mut self.current else {
             return false;
@@ -97,9 +97,9 @@ impl Plan {
             .sum();
         let bytes = read_bytes(worlds);
         self.read_bytes += bytes;
-        // Time that the user gave is used.
+        // A time limit of the user is used fully.
         let is_stuck = self.asked.budget.is_none() && self.lacking.is_some_and(|before| lacking >= before);
-        // The next round reads so many times more.
+        // The next round reads more by this factor.
         let left = match self.asked.budget {
             Some(budget) => {
                 let spent = self.begin.elapsed();
@@ -122,20 +122,20 @@ impl Plan {
 }
 
 impl Plan {
-    /// Says of recordings that time ended their reading: on another machine, or under another load, more or less may be found.
+    /// Notes on recordings that the time limit ended their reading: another machine or load may give other results.
     pub(super) fn note(&self, sources: &mut [Arc<Source>]) {
         let Some(budget) = self.cut else { return };
         let budget = humantime::format_duration(budget);
         let is_cut = |source: &&mut Arc<Source>| source.examined.windows.is_some();
         for source in sources.iter_mut().filter(is_cut) {
             Arc::make_mut(source).notes.push(format!(
-                "the budget of {budget} ended the reading while checks lacked evidence: a slower machine reads less; --full reads all"
+                "reading stopped after --budget {budget} although checks still lacked evidence; read everything with --full"
             ));
         }
     }
 }
 
-/// Bytes that were read of the recordings of these worlds.
+/// Bytes read of the recordings of these worlds.
 fn read_bytes(worlds: &[World]) -> u64 {
     let read = worlds.iter().flat_map(|world| {
         let sources = world
@@ -147,7 +147,7 @@ fn read_bytes(worlds: &[World]) -> u64 {
     read.collect::<BTreeMap<_, _>>().values().sum()
 }
 
-/// Judgements that lacked evidence which a recording of the world still holds.
+/// Rows that lacked evidence which a recording of the world still contains.
 fn lacking(world: &World, verdict: &Verdict) -> usize {
     let sampled: Vec<_> = world.bags.iter().filter(|bag| !bag.share.whole).collect();
     if sampled.is_empty() {
@@ -161,7 +161,7 @@ fn lacking(world: &World, verdict: &Verdict) -> usize {
     verdict.rows.iter().filter(|row| may_gain(row, &read_up)).count()
 }
 
-/// Whether a row lacks evidence, and its subject is not a topic that was read wholly.
+/// Whether a row lacks evidence, and its subject is not a topic that was read completely.
 fn may_gain(row: &Row, read_up: &BTreeSet<&str>) -> bool {
     let lacks = row.outcome == Outcome::NotEvaluated
         && row
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// A sampled recording: `/imu` has more to give, `/gps` was read up.
+    /// A sampled recording: of `/imu` more can be read, `/gps` was read completely.
     fn world() -> World {
         let mut bag = BagEvidence::new(SourceId(0));
         bag.share.whole = false;

@@ -1,5 +1,5 @@
-//! Which recordings have one verdict: those of one folder that were recorded at the same time are of one drive, each of the others is by
-//! itself.
+//! Which recordings share a verdict: those in one folder that were recorded at the same time belong to one drive; each of the others is
+//! judged by itself.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -13,10 +13,10 @@ use crate::world::World;
 
 use super::parallel;
 
-/// Share of the shorter one that two recordings of one drive have in common.
+/// Minimum overlap of two recordings of one drive, as a share of the shorter one.
 const TOGETHER: f64 = 0.5;
 
-/// Log times before this, in September 2001, are of no clock that several recordings share.
+/// Log times before this (September 2001) are not of a clock that several recordings share.
 const EARLIEST_NS: i64 = 1_000_000_000_000_000_000;
 
 /// The recordings of a run, by their numbers among the inputs.
@@ -24,14 +24,14 @@ const EARLIEST_NS: i64 = 1_000_000_000_000_000_000;
 pub(super) struct Sessions {
     /// A list for each drive, in the order of the inputs.
     pub(super) drives: Vec<Vec<usize>>,
-    /// Of a recording, one that was made at the same time near it and is judged apart, and why.
+    /// For a recording, another one of the same time near it that is judged separately, and why.
     beside: BTreeMap<usize, (usize, Apart)>,
 }
 
 impl Sessions {
     fn of(known: &[Known]) -> Self {
         let numbered = Numbered::new(known);
-        // Of each recording an earlier one of its drive, of the first itself; and the first near it that is judged apart, with the reason.
+        // For each recording an earlier one of its drive, for the first itself; and the first near it that is judged separately, with the reason.
         let mut first: Vec<usize> = (0..known.len()).collect();
         let mut apart = vec![None; known.len()];
         for (a, b) in pairs(known) {
@@ -56,7 +56,7 @@ impl Sessions {
         let mut beside = BTreeMap::new();
         for (at, (one, apart)) in known.iter().zip(apart).enumerate() {
             drives.entry(root(&first, at)).or_default().push(one.number);
-            // A third recording may join two that are alike.
+            // A third recording may join two that have the same topics.
             let apart = apart.filter(|(other, _)| root(&first, *other) != root(&first, at));
             let other = apart.and_then(|(other, why)| Some((known.get(other)?.number, why)));
             beside.extend(other.map(|other| (one.number, other)));
@@ -69,16 +69,16 @@ impl Sessions {
         Self { drives, beside }
     }
 
-    /// What is said of a recording where another one was made at the same time and is judged apart; `path` is where a recording is.
+    /// The note on a recording if another one of the same time is judged separately; `path` gives the path of a recording.
     pub(super) fn note(&self, recording: usize, path: impl Fn(usize) -> Option<String>) -> Option<String> {
         let (other, why) = self.beside.get(&recording)?;
         let other = path(*other)?;
         Some(match why {
             Apart::Elsewhere => format!(
-                "recorded at the same time as `{other}` in another folder, and judged without it; recordings in one folder are judged together"
+                "recorded at the same time as `{other}` and judged separately: to judge them together, put both into one folder"
             ),
             Apart::Alike => format!(
-                "recorded at the same time as `{other}` with the same topics, and judged without it: a copy, or another robot"
+                "recorded at the same time as `{other}` with the same topics, and judged separately: a copy, or another robot"
             ),
         })
     }
@@ -87,13 +87,13 @@ impl Sessions {
 /// Why two recordings of one time are not of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Apart {
-    /// They lie in neighbouring folders.
+    /// They are in neighbouring folders.
     Elsewhere,
-    /// They hold the same topics.
+    /// They have the same topics.
     Alike,
 }
 
-/// What tells which drive a recording is of.
+/// What determines the drive of a recording.
 #[derive(Clone)]
 struct Known {
     number: usize,
@@ -101,10 +101,10 @@ struct Known {
     outline: Outline,
 }
 
-/// The argument that a recording came with, and the folder that it stands in.
+/// The command-line argument through which a recording was found, and its folder.
 type Folder = (usize, Option<PathBuf>);
 
-/// Topics that every part of a drive may hold.
+/// Topics that every part of a drive may have.
 const SHARED: [&str; 7] = [
     "/tf",
     "/tf_static",
@@ -121,8 +121,8 @@ fn own_topics(outline: &Outline) -> BTreeSet<&str> {
     topics.filter(|topic| !SHARED.contains(topic)).collect()
 }
 
-/// Whether recordings with these topics hold different streams: at least half of those of the one that has fewer. What has the same topics at
-/// the same time is a copy, or of another robot.
+/// Whether recordings with these topics have different streams: at least half of those of the one with fewer. A recording with the same
+/// topics at the same time is a copy, or of another robot.
 fn complete_each_other(a: &BTreeSet<&str>, b: &BTreeSet<&str>) -> bool {
     2 * a.intersection(b).count() <= a.len().min(b.len())
 }
@@ -144,7 +144,7 @@ pub(super) fn of(inputs: &Inputs) -> Sessions {
     }
     let known = parallel::map(recordings, |(number, input)| {
         let folder = folder_of(input);
-        // A recording that is alone in its folder, and in those beside it, need not be looked into.
+        // A recording without others in its folder and the neighbouring ones need not be opened.
         let is_near = |folder: &Folder| neighbours.get(folder).is_some_and(|count| *count > 1);
         let is_asked = input.refusal.is_none() && (is_near(&folder) || is_near(&above(&folder)));
         Known {
@@ -156,14 +156,14 @@ pub(super) fn of(inputs: &Inputs) -> Sessions {
     Sessions::of(&known)
 }
 
-/// The folder in which a folder stands.
+/// The parent of a folder.
 fn above((group, folder): &Folder) -> Folder {
     (*group, folder.as_deref().and_then(Path::parent).map(Path::to_path_buf))
 }
 
-/// What recordings are held against each other by, as numbers: sets and paths are compared once, and not for each pair.
+/// What recordings are compared by, as numbers: sets and paths are compared once, not for each pair.
 struct Numbered<'k> {
-    /// Of each recording, the folder, the one above it, and the topics.
+    /// For each recording, its folder, the parent of that, and its topics.
     of: Vec<(usize, usize, usize)>,
     topics: Vec<BTreeSet<&'k str>>,
 }
@@ -189,14 +189,14 @@ impl<'k> Numbered<'k> {
         }
     }
 
-    /// Whether two recordings of one time are of one drive, or why not; `None` where they have nothing to do with each other.
+    /// Whether two recordings of one time are of one drive, or why not; `None` if they are unrelated.
     fn judge(&self, a: usize, b: usize) -> Option<Result<(), Apart>> {
         let ((own, own_above, topics), (its, its_above, its_topics)) = (*self.of.get(a)?, *self.of.get(b)?);
         if own != its {
             return (own_above == its_above).then_some(Err(Apart::Elsewhere));
         }
         let (topics, its_topics) = (self.topics.get(topics)?, self.topics.get(its_topics)?);
-        // The same set is the same: nothing is compared.
+        // Equal numbers are equal sets: no comparison needed.
         let are_one = std::ptr::eq(topics, its_topics) && !topics.is_empty();
         let is_complete = !are_one && complete_each_other(topics, its_topics);
         Some(if is_complete { Ok(()) } else { Err(Apart::Alike) })
@@ -254,7 +254,7 @@ fn outline(input: &Input) -> Outline {
     })
 }
 
-/// The folder that a recording stands in; that of a rosbag2 is the one around its own.
+/// The folder of a recording; for a rosbag2 the one that contains its own.
 fn folder(path: &Path, kind: SourceKind) -> Option<PathBuf> {
     let own = path.parent()?;
     let folder = if kind == SourceKind::Rosbag2 {
@@ -268,7 +268,7 @@ fn folder(path: &Path, kind: SourceKind) -> Option<PathBuf> {
 fn overlap(a: (i64, i64), b: (i64, i64)) -> bool {
     let length = |(first, last): (i64, i64)| last.saturating_sub(first) as f64;
     let common = length((a.0.max(b.0), a.1.min(b.1)));
-    // The clock of a simulation begins anew each time.
+    // The clock of a simulation starts again each time.
     let is_on_clock = a.0.min(b.0) >= EARLIEST_NS;
     is_on_clock && common > 0.0 && common >= TOGETHER * length(a).min(length(b))
 }
@@ -319,7 +319,7 @@ mod tests {
                 .contains("`2.mcap` with the same topics")
         );
         assert_eq!(Sessions::of(&[all[0].clone(), all[3].clone()]).drives, [[0, 3]]);
-        // Both copies complete the second: all are together, and nothing is said to be apart.
+        // Both copies complete the second: all are together, and no note is written.
         let joined = Sessions::of(&all[..3]);
         assert_eq!(joined.drives, [[0, 1, 2]]);
         assert!(joined.beside.is_empty());

@@ -1,4 +1,4 @@
-//! Where the time of a run goes: of every input and of every rule, added up over rounds, platforms and threads.
+//! The time of a run for every input and every rule, summed over rounds, platforms and threads.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::visible::clean;
 
-/// So many of a phase are named.
+/// Maximum number of items listed per phase.
 const NAMED: usize = 8;
 
-/// What a run spends its time on.
+/// A phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Phase {
     /// Finding files.
@@ -19,23 +19,23 @@ pub(super) enum Phase {
     Configure,
     /// Reading an input.
     Read,
-    /// Asking a rule.
+    /// Running a rule.
     Judge,
 }
 
 type Spent = BTreeMap<(Phase, String), Duration>;
 
-/// Wall time by phase, and by input or rule; nothing is measured where nobody asks.
+/// Wall time by phase, and by input or rule; measured only if wanted.
 #[derive(Clone, Debug, Default)]
 pub struct Timings(Option<Arc<Mutex<Spent>>>);
 
 impl Timings {
-    /// Those that are kept.
+    /// Timings that are measured.
     pub fn kept() -> Self {
         Self(Some(Arc::default()))
     }
 
-    /// Does some work, and adds up what it takes.
+    /// Does some work, and adds its time.
     pub(super) fn of<T>(&self, phase: Phase, what: &str, work: impl FnOnce() -> T) -> T {
         let Some(spent) = &self.0 else { return work() };
         let begin = Instant::now();
@@ -45,11 +45,12 @@ impl Timings {
         done
     }
 
-    /// What was measured, a line for each phase and the most of it by name; empty where nothing was.
+    /// The times: a line for each phase, then its largest items; empty if nothing was measured.
     pub fn words(&self) -> String {
         let Some(spent) = &self.0 else { return String::new() };
         let spent = spent.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut text = "Time, added up over threads; what rules share counts for the first that asks\n".to_owned();
+        let mut text =
+            "Time, summed over threads; work shared by rules counts for the rule that runs first\n".to_owned();
         for (phase, name) in [
             (Phase::Find, "find files"),
             (Phase::Configure, "configuration"),

@@ -15,7 +15,7 @@ use super::text::{clean, one_line, plural, wrap};
 /// Places shown on either side.
 const MAX_STATED: usize = 4;
 
-/// For people: the changes by kind, and a line of what was compared.
+/// For people: the changes by kind, and a line with the numbers of compared items.
 pub fn text(comparison: &Comparison, [a, b]: [&str; 2], style: Style) -> String {
     let mut out = String::new();
     let mut kind = None;
@@ -42,7 +42,7 @@ pub fn text(comparison: &Comparison, [a, b]: [&str; 2], style: Style) -> String 
         out.push('\n');
     }
     let compared = format!(
-        "Compared: {}, {} and {} that both have.",
+        "Compared: {}, {} and {} that both contain.",
         plural(comparison.transforms, "transform"),
         plural(comparison.topics, "topic"),
         plural(comparison.checks, "check")
@@ -51,7 +51,7 @@ pub fn text(comparison: &Comparison, [a, b]: [&str; 2], style: Style) -> String 
     let verdict = match comparison.changes.len() {
         _ if comparison.is_empty() => {
             format!(
-                "Nothing was compared: {a} and {b} have no transform, topic or check in common. This is no agreement."
+                "Nothing was compared: {a} and {b} have no transform, topic or check in common. This is not a match."
             )
         }
         0 => format!("No change from {a} to {b}."),

@@ -28,7 +28,7 @@ pub fn render(page: &Page, style: Style) -> String {
         limits(page, style, &mut out);
     }
     if let Some(sight) = sight(page.view) {
-        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "To see it"));
+        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "In the viewer"));
         paragraph(&sight, style, &mut out);
     }
     if !page.references.is_empty() {
@@ -41,7 +41,7 @@ pub fn render(page: &Page, style: Style) -> String {
     out
 }
 
-/// Where the views show what a rule judges.
+/// The part of the views that shows what a rule judges.
 fn sight(view: &str) -> Option<String> {
     let view = views::of(view)?;
     Some(match view.words() {
@@ -49,7 +49,7 @@ fn sight(view: &str) -> Option<String> {
             "`frames-lint view PATH... -o views.rrd`, entity `{entity}`: {}.",
             view.what
         ),
-        None => format!("There is nothing to be seen: {}.", view.what),
+        None => format!("Not shown in views: {}.", view.what),
     })
 }
 
@@ -59,14 +59,14 @@ fn head(page: &Page, style: Style, out: &mut String) {
     paragraph(page.summary, style, out);
     let status = match page.status {
         Status::Stable => "stable",
-        Status::Trial => "on trial: findings are shown as hints",
+        Status::Trial => "trial: findings are shown as hints",
     };
     let facts = [
         ("severity", page.severity.word()),
         ("confidence", page.confidence.word()),
         ("status", status),
         ("since", page.since),
-        ("judges", page.subject),
+        ("checks", page.subject),
     ];
     out.push('\n');
     for (name, value) in facts {
@@ -99,7 +99,7 @@ fn limits(page: &Page, style: Style, out: &mut String) {
     let _ = writeln!(out, "{}", style.paint(Ink::Faint, &heading));
     for (name, value, reason) in &rows {
         let label = format!("  {name:<names$}  {value:<values$}  ");
-        // Very long names leave no room beside them: the reason then stands on the next line.
+        // After a very long name the reason goes on the next line.
         let indent = if label.chars().count() + 30 > style.prose_width() {
             let _ = writeln!(out, "{}", label.trim_end());
             "      ".to_owned()
@@ -157,11 +157,11 @@ fn prose(text: &str, style: Style, out: &mut String) {
     out.push('\n');
 }
 
-/// What a fenced block is: a file, or what the rule answers to the files above it.
+/// The title of a fenced block: a file, or the expected result for the files above it.
 fn block_title(info: &str, style: Style, out: &mut String) {
     let (language, name) = info.split_once(' ').unwrap_or((info, ""));
     let title = match (language, name) {
-        ("expect", _) => "answer",
+        ("expect", _) => "expected result",
         (_, "") => return,
         (_, name) => name,
     };
@@ -212,7 +212,7 @@ mod tests {
             "\n  severity    error\n",
             "\nWhat it checks\n  All frames of the URDF and of TF belong to one tree.\n",
             "    robot.urdf:\n      <robot name=\"cart\">\n        <link name=\"base_link\"/>\n",
-            "    answer:\n      error certain robot.urdf:9\n",
+            "    expected result:\n      error certain robot.urdf:9\n",
             "\nReferences\n  - REP-105",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");
@@ -252,6 +252,6 @@ mod tests {
              limit      value    reason\n  angle_deg  1.5 deg  why not\n  count      2        two\n\nOnline: \
              https://frames-lint.github.io/frames-lint/rules/tree01.html\n"
         );
-        assert!(text.contains("on trial"));
+        assert!(text.contains("trial: findings"));
     }
 }

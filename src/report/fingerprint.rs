@@ -1,4 +1,4 @@
-//! What a finding is known by from run to run: not its lines, which move, nor its numbers, which vary.
+//! Identifies a finding from run to run: not by its lines, which move, nor by its numbers, which vary.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::verdict::waiver::Identity;
 
 use super::place::Locator;
 
-/// For each finding of a run, in its order; like findings are told apart by their number.
+/// For each finding of a run, in order; equal findings are numbered.
 pub(super) fn fingerprints(run: &Run, locator: &Locator) -> Vec<String> {
     let mut seen: BTreeMap<Identity, usize> = BTreeMap::new();
     run.verdict

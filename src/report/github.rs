@@ -58,7 +58,7 @@ fn annotation(finding: &Finding, locator: &Locator, out: &mut String) {
         if let (Some(start), Some(end), false) = (spot.start, spot.end, spot.expanded || spot.message.is_some()) {
             properties.push(("line", start.line.to_string()));
             properties.push(("endLine", end.line.to_string()));
-            // Columns say nothing where an annotation covers several lines, and are refused there.
+            // GitHub refuses columns for annotations of several lines.
             if start.line == end.line {
                 properties.push(("col", start.column.to_string()));
                 properties.push(("endColumn", end.column.to_string()));
@@ -92,9 +92,9 @@ fn command(level: &str, properties: &[(&str, &str)], words: &str, out: &mut Stri
     let _ = writeln!(out, "::{level} {}::{}", properties.join(","), escaped(words));
 }
 
-/// Data of a command: what would end the line or begin an escape is escaped.
+/// Data of a command: characters that would end the line or begin an escape are escaped.
 fn escaped(text: &str) -> String {
-    // Before cleaning, for a carriage return is a control character.
+    // Before cleaning, because a carriage return is a control character.
     let text = text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
     clean(&text).into_owned()
 }

@@ -1,4 +1,4 @@
-//! The code quality report of GitLab: a list of issues that merge requests compare.
+//! The Code Quality report of GitLab: a list of issues that merge requests compare.
 //!
 //! <https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format>
 

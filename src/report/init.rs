@@ -1,7 +1,7 @@
-//! A configuration to begin with, from what is there: commented, with the table of who states which transform.
+//! An initial configuration from the inputs, with comments and the table of sources of each transform.
 //!
-//! What could be judged today is required from now on: a topic that is no longer recorded then stops the gate instead of passing
-//! unseen.
+//! Checks that could be evaluated now are required from now on: a topic that is no longer recorded then makes the run incomplete
+//! instead of being overlooked.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -15,16 +15,16 @@ use crate::world::{ClaimKind, FrameId, World};
 use super::place::Locator;
 use super::text::{one_line, plural};
 
-/// So many pairs of frames are listed, and so many topics.
+/// Maximum number of listed pairs of frames, and of topics.
 const MAX_ROWS: usize = 200;
 
 /// The text of a `frames-lint.yaml`.
 pub fn configuration(run: &Run) -> String {
     let locator = Locator::inside(&run.sources);
     let mut out = String::from(
-        "# frames-lint.yaml: what holds for the files of this folder and below it. `frames-lint explain RULE` tells what a rule checks;\n\
+        "# frames-lint.yaml: configuration for the files in this folder and below. `frames-lint explain RULE` shows what a rule checks;\n\
          # schema/frames-lint-config-1.json of frames-lint describes every key.\n\n\
-         # What this stands on: ci, pre-survey, dataset-acceptance, or a file.\n\
+         # The base of this configuration: ci, pre-survey, dataset-acceptance, or a file.\n\
          extends: ci\n",
     );
     authorities(run, &locator, &mut out);
@@ -34,7 +34,7 @@ pub fn configuration(run: &Run) -> String {
     out
 }
 
-/// Who states which transform.
+/// The sources of each transform.
 fn authorities(run: &Run, locator: &Locator, out: &mut String) {
     let mut pairs: BTreeMap<(FrameId, FrameId), Vec<String>> = BTreeMap::new();
     for world in &run.worlds {
@@ -51,8 +51,8 @@ fn authorities(run: &Run, locator: &Locator, out: &mut String) {
         return;
     }
     out.push_str(
-        "\n# Who states which transform (parent <- child). Where several do, agree on one that the others are made from: frames-lint holds\n\
-         # all of them against each other (CROSS01, CROSS02, AUTH01).\n#\n",
+        "\n# Sources of each transform (parent <- child). If there are several, choose one and generate the others from it: frames-lint\n\
+         # compares all of them with each other (CROSS01, CROSS02, AUTH01).\n#\n",
     );
     let shown = |(target, source): &(FrameId, FrameId)| one_line(&format!("{target} <- {source}"));
     let width = pairs
@@ -72,7 +72,7 @@ fn authorities(run: &Run, locator: &Locator, out: &mut String) {
     }
 }
 
-/// Every statement of a transform, with who makes it.
+/// Every statement of a transform, with its source.
 fn statements(world: &World, locator: &Locator) -> Vec<((FrameId, FrameId), String)> {
     let mut found = Vec::new();
     for claim in &world.claims {
@@ -97,7 +97,7 @@ fn statements(world: &World, locator: &Locator) -> Vec<((FrameId, FrameId), Stri
     found
 }
 
-/// Topics whose conventions are worth a word.
+/// Topics whose conventions should be declared.
 fn conventions(run: &Run, out: &mut String) {
     let mut topics: BTreeMap<&str, &str> = BTreeMap::new();
     for bag in run.worlds.iter().flat_map(|world| &world.bags) {
@@ -112,8 +112,8 @@ fn conventions(run: &Run, out: &mut String) {
         return;
     }
     out.push_str(
-        "\n# What these topics are expressed in. Without a declaration ROS's own holds: east, north, up for the world (ENU), forward, left, up for the\n\
-         # body (FLU), quaternions as x y z w, UTC. Declare what differs; the data are held against it.\n# conventions:\n",
+        "\n# Conventions of these topics. The default is that of ROS (REP-103): east, north, up for the world (ENU), forward, left, up for the\n\
+         # body (FLU), quaternions as x y z w, UTC. Declare what differs; the data are compared with it.\n# conventions:\n",
     );
     for (topic, type_name) in topics.iter().take(MAX_ROWS) {
         let _ = writeln!(
@@ -125,7 +125,7 @@ fn conventions(run: &Run, out: &mut String) {
     }
 }
 
-/// Rules that judged something that recordings or several files must bring.
+/// Rules that were evaluated on recordings or several files.
 fn required(run: &Run, out: &mut String) {
     let judged = |code: &str| {
         run.verdict
@@ -143,15 +143,15 @@ fn required(run: &Run, out: &mut String) {
         return;
     }
     out.push_str(
-        "\n# Judged when this was written, and required from now on: where one of them can no longer be judged, because a topic or a file is\n\
-         # missing, the run is incomplete (exit code 3) and says what to record.\nrequire:\n",
+        "\n# Evaluated when this was written, and required from now on: if one of them can no longer be evaluated, because a topic or a file is\n\
+         # missing, the run is incomplete (exit code 3) and the report says what to record.\nrequire:\n",
     );
     for rule in rules {
         let _ = writeln!(out, "  - {:<9} # {}", rule.code, rule.name);
     }
 }
 
-/// What is found today, and how it may be accepted.
+/// The current findings, and how to accept them.
 fn today(run: &Run, out: &mut String) {
     let count = |severity| run.verdict.count_findings(severity);
     let found = [
@@ -161,8 +161,8 @@ fn today(run: &Run, out: &mut String) {
     ];
     let _ = write!(
         out,
-        "\n# Found when this was written: {}. What is accepted for now stands here, with a reason and a last day; what is\n\
-         # accepted wholesale goes into a baseline (`frames-lint check --write-baseline frames-baseline.json`).\n# waivers:\n",
+        "\n# Found when this was written: {}. To accept one for now, add a waiver with a reason and a last day; to accept\n\
+         # all of them, write a baseline (`frames-lint check --write-baseline frames-baseline.json`).\n# waivers:\n",
         found.join(", ")
     );
     for finding in run.verdict.open().take(5) {

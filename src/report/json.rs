@@ -1,8 +1,8 @@
 //! The JSON document of a run: frozen apart from the types inside, described by `schema/frames-lint-1.json`.
 //!
-//! Every key is always there, `null` where there is nothing to say. Numbers that JSON cannot hold (NaN, infinite) are
-//! `null`. Lines and columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or
-//! taking one away needs a new schema name.
+//! Every key is always present, `null` without a value. Numbers that JSON does not support (NaN, infinite) are `null`. Lines and
+//! columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or removing a key needs a new
+//! schema name.
 
 #[cfg(test)]
 mod tests;
@@ -21,7 +21,7 @@ use crate::visible::{text, write_json};
 
 use super::place::{Locator, Spot};
 
-/// Name of the document's form.
+/// Name of the document's schema.
 pub const SCHEMA: &str = "frames-lint/1";
 
 #[derive(Serialize)]
@@ -37,7 +37,7 @@ struct Document<'a> {
     summary: Counts,
 }
 
-/// What made the document, and its form.
+/// The tool and the schema of the document.
 #[derive(Serialize)]
 pub(super) struct Made {
     schema: &'static str,
@@ -56,7 +56,7 @@ impl Made {
     }
 }
 
-/// Items that become rows one by one while they are written: a hostile file may have a hundred thousand findings.
+/// Items that are converted one by one while they are written: a hostile file may have a hundred thousand findings.
 struct Rows<'a, T, R> {
     items: &'a [T],
     locator: &'a Locator<'a>,
@@ -250,7 +250,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     text(|to| write(run, fail_on, to))
 }
 
-/// Writes the same part by part: of thousands of platforms it is larger than all that is known of them.
+/// Writes the document part by part: for thousands of platforms it is larger than all their data.
 pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde_json::Error> {
     let locator = Locator::new(&run.sources);
     let document = Document {
@@ -423,7 +423,7 @@ fn place(label: &Label, locator: &Locator) -> PlaceRow {
     }
 }
 
-/// The keys of a place. Lines of an expansion are not lines of the file at `path`: they are left out here.
+/// The keys of a place. Lines of an expansion are not lines of the file at `path` and are omitted.
 fn keys(spot: &Spot) -> PlaceKeys {
     let start = spot.start.filter(|_| !spot.expanded);
     let end = spot.end.filter(|_| !spot.expanded);
@@ -454,7 +454,7 @@ fn number(measured: &Measured) -> Number<'_> {
     }
 }
 
-/// A fix whose edits can all be made in files. A text out of a recording or an expansion cannot be edited where it is.
+/// A fix whose edits can all be made in files. A text from a recording or an expansion cannot be edited.
 fn fix_row<'a>(fix: &'a Fix, locator: &Locator) -> Option<FixRow<'a>> {
     let edits = fix
         .edits

@@ -1,6 +1,6 @@
-//! The JSON document of a run, a line for each of its parts: `{"type": "finding", ...}`. The keys are those of
-//! `schema/frames-lint-1.json`; the last line is the summary. Of several recordings each is told when it has been judged: its outcomes and
-//! findings, and behind them a line with its verdict.
+//! The JSON document of a run, one line for each of its parts: `{"type": "finding", ...}`. The keys are those of
+//! `schema/frames-lint-1.json`; the last line is the summary. Each of several recordings is written when it has been judged: its outcomes
+//! and findings, then a line with its verdict.
 
 use serde::Serialize;
 
@@ -30,10 +30,10 @@ pub fn start() -> Result<String, serde_json::Error> {
     Ok(out)
 }
 
-/// Bytes of lines that are handed on together.
+/// Bytes of lines that are passed on together.
 const TOGETHER: usize = 1 << 20;
 
-/// What came to a run; `take` is given one stretch of lines after the other.
+/// Writes what was added to a run; `take` receives one block of lines after the other.
 pub fn grown(run: &Run, grown: &Grown, take: &mut dyn FnMut(&str)) -> Result<(), serde_json::Error> {
     let mut out = String::new();
     let mut hand_on = |out: &mut String, least: usize| {
@@ -62,7 +62,7 @@ pub fn grown(run: &Run, grown: &Grown, take: &mut dyn FnMut(&str)) -> Result<(),
     Ok(())
 }
 
-/// What is known when everything has been judged.
+/// Writes what is known when everything has been judged.
 pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     let mut out = String::new();
     for unmet in &run.unmet {
@@ -72,7 +72,7 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     Ok(out)
 }
 
-/// All lines of a run that has ended.
+/// All lines of a completed run.
 pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     let mut out = start()?;
     grown(run, &Grown::all(run), &mut |lines| out.push_str(lines))?;

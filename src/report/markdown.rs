@@ -1,4 +1,4 @@
-//! Markdown for comments on changes and summaries of jobs: the verdict, a table of what was found, and the rest folded away.
+//! Markdown for comments on pull requests and job summaries: the verdict, a table of findings, and the rest collapsed.
 
 use std::fmt::Write;
 
@@ -10,9 +10,9 @@ use super::place::Locator;
 use super::terminal::{measured_words, plain_ending, reasons};
 use super::text::{one_line, plural};
 
-/// Comments have an end: so many findings are shown.
+/// Maximum number of findings: comments are limited in size.
 const MAX_FINDINGS: usize = 100;
-/// And so many recordings.
+/// Maximum number of recordings.
 const MAX_RECORDINGS: usize = 200;
 
 pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
@@ -60,7 +60,7 @@ fn sign(verdict: VerdictWord) -> &'static str {
     }
 }
 
-/// The verdict of each recording, where there are several.
+/// The verdict of each recording, if there are several.
 fn recordings(run: &Run, out: &mut String) {
     if run.recordings.is_empty() {
         return;
@@ -129,7 +129,7 @@ fn unmet(run: &Run, out: &mut String) {
     if run.unmet.is_empty() {
         return;
     }
-    out.push_str("\n### Required, and not met\n\n");
+    out.push_str("\n### Requirements not met\n\n");
     for unmet in &run.unmet {
         let mut words = escaped(&unmet.reason());
         match (&unmet.waived, &unmet.record) {
@@ -162,10 +162,10 @@ fn not_evaluated(run: &Run, out: &mut String) {
     out.push_str("\n</details>\n");
 }
 
-/// A text in the middle of a line: nothing in it is markup, and no pipe ends a cell.
+/// A text inside a line: markup and pipes are escaped.
 fn escaped(text: &str) -> String {
     let text = single_ticks(&one_line(text));
-    // In code spans nothing but the pipe means anything; a lone backtick opens none.
+    // In code spans only the pipe is special; an unpaired backtick opens none.
     let mut ticks = text.matches('`').count() / 2 * 2;
     let mut is_code = false;
     let mut escaped = String::with_capacity(text.len());
@@ -181,7 +181,7 @@ fn escaped(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '&' => escaped.push_str("&amp;"),
-            // An empty comment keeps what shows it from making a mention, a reference or a link of this.
+            // An empty comment prevents mentions, references and links.
             '@' => escaped.push_str("@<!-- -->"),
             '#' => escaped.push_str("\\#<!-- -->"),
             ':' if chars.peek() == Some(&'/') => escaped.push_str(":<!-- -->"),
@@ -196,7 +196,7 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// The text with one backtick where several stand together: a run of two opens another code span than one does, and a name may hold them.
+/// The text with runs of backticks replaced by one: a run of two opens another kind of code span, and a name may contain it.
 fn single_ticks(text: &str) -> String {
     let mut was_tick = false;
     let single = |c: char| {
@@ -213,7 +213,7 @@ fn code(text: &str) -> String {
     if longest == 0 {
         return format!("`{text}`");
     }
-    // A span that is opened by more backticks than stand together in it.
+    // A span opened by more backticks than occur together in it.
     let fence = "`".repeat(longest + 1);
     format!("{fence} {text} {fence}")
 }
@@ -224,11 +224,11 @@ mod tests {
 
     #[test]
     fn backticks_in_names_open_no_markup() {
-        // A run of three would be a code span of its own kind, and what follows markup.
+        // A run of three would be another kind of code span, and the text after it markup.
         assert_eq!(escaped("```<img src=x>`"), "`''<img src=x>`");
         assert_eq!(escaped("frame `a`<b>` of `c`"), "frame `a`&lt;b&gt;` of `c\\`");
         assert_eq!(code("a`|b"), "`` a`\\|b ``");
-        // Two backticks in one name leave what stands between them outside of code.
+        // Two backticks in one name leave the text between them outside of code.
         assert_eq!(
             escaped("`x`@team #1 http://a www.b`y`"),
             "`x`@<!-- -->team \\#<!-- -->1 http:<!-- -->//a www<!-- -->.b`y`"

@@ -28,7 +28,7 @@ use crate::run::Run;
 pub use style::Style;
 pub use text::plural;
 
-/// The forms that a report comes in.
+/// The formats of reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// For people, with source lines.
@@ -37,7 +37,7 @@ pub enum Format {
     Concise,
     /// One document, described by `schema/frames-lint-1.json`.
     Json,
-    /// The same, a line for each input, outcome and finding.
+    /// The same document, one line for each input, outcome and finding.
     JsonLines,
     /// SARIF 2.1.0.
     Sarif,
@@ -49,22 +49,22 @@ pub enum Format {
     Junit,
     /// For comments and job summaries.
     Markdown,
-    /// One page with everything: what the person who accepts or rejects a dataset signs.
+    /// One page with everything, to be signed by the person who accepts or rejects a dataset.
     Html,
 }
 
-/// How a run was asked for: for those who want to make it again.
+/// How a run was called, so that it can be repeated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Call {
     /// The command line, the program first.
     pub command: Vec<String>,
-    /// What holds for the run besides, by name.
+    /// Further settings of the run, by name.
     pub settings: Vec<(&'static str, String)>,
-    /// The day of the run (UTC), for which waivers hold or have ended.
+    /// The date of the run (UTC), which decides which waivers are valid.
     pub day: Option<String>,
 }
 
-/// Why there is no report: a fault of ours.
+/// Why there is no report: a bug.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReportError(pub String);
 

@@ -12,7 +12,7 @@ use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Sourc
 pub(super) struct Locator<'a> {
     sources: &'a [Arc<Source>],
     lines: OnceCell<Vec<OnceCell<LineIndex>>>,
-    /// The part of every path that is left out.
+    /// The omitted part of every path.
     folder: &'a str,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Spot {
 }
 
 impl<'a> Locator<'a> {
-    /// For places of these sources, which stand at the index of their id.
+    /// For places of these sources, whose indices are their ids.
     pub(super) fn new(sources: &'a [Arc<Source>]) -> Self {
         Self {
             sources,
@@ -41,7 +41,7 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// As [`Locator::new`], with paths from the deepest folder that holds all of the sources.
+    /// As [`Locator::new`], with paths relative to the deepest common folder of the sources.
     pub(super) fn inside(sources: &'a [Arc<Source>]) -> Self {
         let folder = |source: &'a Arc<Source>| {
             source
@@ -63,7 +63,7 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// The part of every path that is left out: ends with a slash, or is empty.
+    /// The omitted part of every path: ends with a slash, or is empty.
     pub(super) fn folder(&self) -> &'a str {
         self.folder
     }
@@ -72,7 +72,7 @@ impl<'a> Locator<'a> {
         source.path.strip_prefix(self.folder).unwrap_or(&source.path)
     }
 
-    /// The path of a source, with the folder that is left out elsewhere.
+    /// The path of a source, including the omitted folder.
     pub(super) fn whole_path(&self, id: SourceId) -> &'a str {
         self.source(id).map_or("?", |source| &source.path)
     }
@@ -97,7 +97,7 @@ impl<'a> Locator<'a> {
         Some(cell.get_or_init(|| LineIndex::new(&source.text)))
     }
 
-    /// A place in an expansion, where it is written; any other place.
+    /// The place where a place in an expansion is written; any other place unchanged.
     pub(super) fn written<'p>(&self, place: &'p Place) -> Cow<'p, Place> {
         let written = self.source(place.source).and_then(|source| source.written(place));
         written.map_or(Cow::Borrowed(place), Cow::Owned)
@@ -136,7 +136,7 @@ impl<'a> Locator<'a> {
         self.source(place.source).map_or("?", |source| self.path(source))
     }
 
-    /// The source in a few words: its path, and what it came out of (`drive.mcap /robot_description[0]`).
+    /// The source in a few words: its path, and its origin (`drive.mcap /robot_description[0]`).
     pub(super) fn name(&self, id: SourceId) -> String {
         match self.source(id) {
             None => "?".to_owned(),

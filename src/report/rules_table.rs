@@ -48,7 +48,7 @@ pub fn text(rules: &[&Page], style: Style) -> String {
             rule.confidence.word(),
             status(rule),
         );
-        // A narrow terminal gets the summary on lines of its own.
+        // In a narrow terminal the summary goes on separate lines.
         let beside = style.width.is_none_or(|width| width >= row.len() + 30);
         if beside {
             let indent = " ".repeat(row.len());

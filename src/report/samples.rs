@@ -37,7 +37,7 @@ impl Sample {
         id
     }
 
-    /// Where `needle` stands first in the source's text.
+    /// The first place of `needle` in the source's text.
     pub(super) fn at(&self, id: SourceId, needle: &str) -> Place {
         let start = self.run.sources[id.0 as usize].text.find(needle).unwrap();
         Place::text(id, start..start + needle.len())
@@ -152,7 +152,7 @@ pub(super) fn pose(xyz: [f64; 3], yaw_deg: f64) -> Pose {
     ))
 }
 
-/// Everything at once: every outcome, every kind of place, numbers that are not finite, and a fix.
+/// A run with every outcome, every kind of place, numbers that are not finite, and a fix.
 pub(super) fn everything() -> Run {
     use crate::source::ReadStatus;
     use crate::verdict::{Edit, Measured, Safety};

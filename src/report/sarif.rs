@@ -18,7 +18,7 @@ use super::place::Locator;
 use super::terminal::measured_words;
 use super::text::clean;
 
-/// What stands for something else in the path of a URI.
+/// Characters that are escaped in the path of a URI.
 const RESERVED: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')
@@ -154,7 +154,7 @@ fn artifacts(run: &Run) -> Vec<Value> {
     artifacts
 }
 
-/// What was not evaluated and what was not read: a scan that found nothing because it saw nothing must not look clean.
+/// Checks that were not evaluated and inputs that were not read: a scan without input must not look clean.
 fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
     let about = |code: &str| {
         let mut descriptor = json!({"id": code});
@@ -232,7 +232,7 @@ fn result(
     if let Some(index) = numbers.get(finding.rule.as_str()) {
         set("ruleIndex", (*index).into());
     }
-    // A hint never fails a gate, and code scanning gates by level.
+    // A hint never fails a run, and code scanning decides by level.
     set("level", level(finding.loudness()).into());
     set("message", message(&text));
     set("locations", places(PlaceRole::Primary).into());
@@ -281,7 +281,7 @@ fn measured(measured: &Measured) -> Value {
     clean(&measured_words(measured)).into()
 }
 
-/// A message object. Brackets are escaped where a name from a file would read as a link.
+/// A message object. Brackets are escaped if a name from a file would be read as a link.
 ///
 /// Source: SARIF 2.1.0, 3.11.6 "Messages with embedded links".
 fn message(text: &str) -> Value {

@@ -1,4 +1,4 @@
-//! How text is dressed: colour, drawing characters and width. Knows nothing of what is written.
+//! The style of text: colour, drawing characters and width. Independent of the content.
 
 use crate::page::url;
 
@@ -9,7 +9,7 @@ pub struct Style {
     pub color: bool,
     /// Whether characters beyond ASCII may be used for drawing.
     pub unicode: bool,
-    /// Columns of the terminal; `None` where lines may be as long as they like.
+    /// Columns of the terminal; `None`: no limit.
     pub width: Option<usize>,
     /// Whether links (OSC 8) can be shown.
     pub links: bool,
@@ -51,7 +51,7 @@ impl Style {
         format!("\u{1b}[{code}m{text}\u{1b}[0m")
     }
 
-    /// The code of a rule as a link to its page, where that can be shown.
+    /// The code of a rule as a link to its page, if links can be shown.
     pub(super) fn link(self, code: &str) -> String {
         if !self.links {
             return code.to_owned();
@@ -64,7 +64,7 @@ impl Style {
         if self.unicode { unicode } else { ascii }
     }
 
-    /// Columns for running text: never wider than is pleasant to read, never so narrow that wrapping breaks down.
+    /// Columns for running text: not too wide to read, not too narrow to wrap.
     pub(super) fn prose_width(self) -> usize {
         self.width.unwrap_or(100).clamp(40, 100)
     }

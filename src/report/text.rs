@@ -1,4 +1,4 @@
-//! Words and numbers for people: wrapping, plurals, significant digits, UTC. Knows nothing of rules and findings.
+//! Words and numbers for people: wrapping, plurals, significant digits, UTC. Independent of rules and findings.
 
 pub(super) use crate::visible::{clean, clean_in_place};
 
@@ -94,7 +94,7 @@ fn trimmed_exponent(spelled: &str) -> String {
     }
 }
 
-/// Bytes in the unit that suits them.
+/// Bytes in a suitable unit.
 pub(super) fn bytes(count: u64) -> String {
     let mut value = count as f64;
     for unit in ["B", "kB", "MB", "GB"] {
@@ -106,7 +106,7 @@ pub(super) fn bytes(count: u64) -> String {
     format!("{} TB", number(value, 3))
 }
 
-/// Nanoseconds as seconds, all digits that count: `1700000000.25`.
+/// Nanoseconds as seconds, with all significant digits: `1700000000.25`.
 pub(super) fn seconds(ns: i64) -> String {
     let sign = if ns < 0 { "-" } else { "" };
     let size = ns.unsigned_abs();

@@ -1,7 +1,7 @@
-//! Which findings stay silent because another one says the same, better.
+//! Hides findings that another finding explains better.
 //!
-//! A rule hands over every fault that it sees, and may name the rules that would say it better. Here it is settled who speaks: a finding
-//! is explained by one of another rule on the same thing, where that one stands and counts at least as much. Somebody always speaks.
+//! A rule reports every fault that it finds, and may name the rules that explain it better. Here it is decided which are shown: a finding
+//! is explained by a finding of another rule on the same thing, if that one is shown and counts at least as much. One is always shown.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ use super::{Finding, Label, Outcome, Verdict};
 pub struct RuleCode(&'static str);
 
 impl RuleCode {
-    /// For the registry alone.
+    /// Only for the registry.
     pub(crate) const fn new(code: &'static str) -> Self {
         Self(code)
     }
@@ -33,7 +33,7 @@ impl std::fmt::Display for RuleCode {
     }
 }
 
-/// Who would say the same, better.
+/// Rules and findings that explain a fault better.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unless {
     /// A rule with a finding on the same subject, topic or part of a file.
@@ -54,16 +54,16 @@ pub struct Explainer {
 }
 
 impl Explainer {
-    /// For the reason of a row.
+    /// The reason of a row.
     pub fn words(&self) -> String {
         format!("explained by {} of {}", self.rule, self.subject)
     }
 }
 
-/// Notes for each finding which of the others may explain it: those of the rules that it names which are on the same subject, the same
-/// topic or the same part of a file. For the findings of one world.
+/// Notes for each finding which others may explain it: findings of the rules that it names on the same subject, the same topic or the
+/// same part of a file. For the findings of one world.
 pub fn match_up(findings: &mut [Finding]) {
-    // Thousands may have one subject: the first that is the same stands for all of them.
+    // Thousands may have one subject: the first equal one is enough.
     let mut known: BTreeMap<&str, Vec<Vec<&Finding>>> = BTreeMap::new();
     let mut numbers: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for one in findings.iter() {
@@ -100,14 +100,14 @@ fn is_same(finding: &Finding, other: &Finding, unless: &Unless) -> bool {
     match unless {
         Unless::Rule(_) => {}
         Unless::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
-        // Where there are several platforms, subjects open with their names.
+        // If there are several platforms, subjects begin with their names.
         Unless::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,
     }
     let touches = |label: &Label| finding.places.iter().any(|own| touches(&own.place, &label.place));
     finding.subject == other.subject || other.places.iter().any(touches)
 }
 
-/// Whether two places are messages of one topic, or parts of one file that overlap. TF is no topic of one thing.
+/// Whether two places are messages of one topic, or overlapping parts of one file. TF does not count: it has many subjects.
 fn touches(a: &Place, b: &Place) -> bool {
     if a.source != b.source {
         return false;
@@ -119,15 +119,15 @@ fn touches(a: &Place, b: &Place) -> bool {
     }
 }
 
-/// Settles who speaks: findings that another one explains leave the verdict for [`Verdict::explained`], and their rows say by which. May be
-/// called again whenever findings have changed.
+/// Moves findings that another one explains to [`Verdict::explained`]; their rows name the explanation. May be called again whenever
+/// findings have changed.
 pub fn settle(verdict: &mut Verdict) {
     verdict.recall();
     if verdict.findings.iter().all(|finding| finding.explainers.is_empty()) {
         return;
     }
     let mut findings = std::mem::take(&mut verdict.findings);
-    // What is listed first speaks first where two explain each other.
+    // If two explain each other, the one listed first is shown.
     findings.sort_by(|a, b| {
         weight(b)
             .cmp(&weight(a))
@@ -159,7 +159,7 @@ fn weight(finding: &Finding) -> (bool, super::Severity, Confidence) {
     )
 }
 
-/// For each finding the number of the one that speaks for it; its own, where it speaks for itself.
+/// For each finding the index of the one that explains it; its own, if none does.
 fn speakers(findings: &[Finding]) -> Vec<usize> {
     let known: BTreeMap<Explainer, Vec<usize>> =
         (0..).zip(findings).fold(BTreeMap::new(), |mut known, (at, finding)| {
@@ -195,7 +195,7 @@ fn speakers(findings: &[Finding]) -> Vec<usize> {
             }
         }
         if !is_changed {
-            // What is left explains itself in a circle: its first one speaks.
+            // The remaining ones explain each other in a cycle: the first is shown.
             match speakers.iter_mut().enumerate().find(|(_, speaker)| speaker.is_none()) {
                 Some((at, speaker)) => *speaker = Some(at),
                 None => {
@@ -210,13 +210,13 @@ fn speakers(findings: &[Finding]) -> Vec<usize> {
     }
 }
 
-/// Whether a finding counts at least as much as the one that it would explain.
+/// Whether a finding counts at least as much as the one that it explains.
 fn says(speaker: &Finding, finding: &Finding) -> bool {
     let is_hint = |finding: &Finding| finding.confidence == Confidence::Hint;
     speaker.severity >= finding.severity && (!is_hint(speaker) || is_hint(finding))
 }
 
-/// Rows whose findings are all explained say by which; those whose findings are so no more have failed.
+/// Rows whose findings are all explained name the explanation; rows whose findings are no longer explained have failed.
 fn settle_rows(verdict: &mut Verdict) {
     let open: BTreeSet<(&str, &str)> = verdict.findings.iter().map(Finding::key).collect();
     let explained: BTreeMap<(&str, &str), &Finding> = verdict.explained.iter().map(|one| (one.key(), one)).collect();

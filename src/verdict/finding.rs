@@ -45,22 +45,22 @@ pub enum PlaceRole {
     Related,
 }
 
-/// A place with what is to be seen there.
+/// A place with a label.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Label {
     /// Primary or related.
     pub role: PlaceRole,
     /// Where.
     pub place: Place,
-    /// What is to be seen there, in a few words; may be empty.
+    /// A label of a few words; may be empty.
     pub note: String,
 }
 
-/// Whether a fix can be applied without thinking.
+/// Whether a fix can be applied without review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Safety {
-    /// The meaning stays as it was meant by every reader.
+    /// No program reads the file differently.
     Safe,
     /// The robot's behaviour changes.
     ChangesBehaviour,
@@ -86,7 +86,7 @@ pub struct Fix {
     pub edits: Vec<Edit>,
 }
 
-/// What a failing rule says.
+/// A fault that a rule found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// Code of the rule; set by the engine.
@@ -108,30 +108,30 @@ pub struct Finding {
     pub help: String,
     /// The word of the relation dictionary that explains a difference.
     pub relation: Option<String>,
-    /// Places, the primary one first. A finding without one is a fault of ours.
+    /// Places, the primary one first. A finding without a place is a bug.
     pub places: Vec<Label>,
-    /// What was measured. A finding without a number is a fault of ours.
+    /// What was measured. A finding without a number is a bug.
     pub measured: Vec<Measured>,
     /// A fix, if one is possible.
     pub fix: Option<Fix>,
-    /// Set where the user accepts it: it counts for nothing, and stays in every report.
+    /// Set if the user accepts it: it does not count, but stays in every report.
     #[serde(default)]
     pub waived: Option<Waived>,
-    /// Rules that would say it better where they find the same: by the subject, topic or part of a file, or by what is named.
+    /// Rules that explain it better if they find the same: by the subject, topic or part of a file, or by a name.
     #[serde(skip)]
     pub unless: Vec<Unless>,
     /// Findings that may explain it; see [`match_up`](super::deference::match_up).
     #[serde(skip)]
     pub explainers: Vec<Explainer>,
-    /// The finding that says it in its place.
+    /// The finding that explains it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explained_by: Option<Explainer>,
-    /// Where a frame would stand by the rule's judgement, where it knows: for those who look at it.
+    /// The transform that the rule considers right, if known: for views.
     #[serde(skip)]
     pub prefers: Option<Preferred>,
 }
 
-/// A transform as a rule would have it.
+/// A transform that a rule considers right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferred {
     /// The target (parent) frame.
@@ -143,7 +143,7 @@ pub struct Preferred {
 }
 
 impl Finding {
-    /// How loudly it is told where there is no word for hints: no hint is louder than a note.
+    /// The severity for formats without hints: a hint is at most a note.
     pub fn loudness(&self) -> Severity {
         if self.confidence == Confidence::Hint {
             Severity::Note
@@ -210,13 +210,13 @@ impl Finding {
         self.confidence(Confidence::Likely)
     }
 
-    /// A heuristic: never fails a gate.
+    /// A heuristic: never fails a run.
     #[must_use]
     pub fn hint(self) -> Self {
         self.confidence(Confidence::Hint)
     }
 
-    /// What it is called in words: a hint is no error, whatever the severity of its rule.
+    /// Its severity in words; `hint` for hints, regardless of the severity of the rule.
     pub fn word(&self) -> &'static str {
         match self.confidence {
             Confidence::Hint => Confidence::Hint.word(),
@@ -231,7 +231,7 @@ impl Finding {
         self
     }
 
-    /// What is to be seen at the primary place, in a few words.
+    /// The label of the primary place, a few words.
     #[must_use]
     pub fn label(mut self, note: impl Into<String>) -> Self {
         if let Some(label) = self.places.first_mut() {
@@ -251,7 +251,7 @@ impl Finding {
         self
     }
 
-    /// Evidence in sentences, behind the headline: what was compared with what, what else fits.
+    /// Evidence in sentences, after the headline: what was compared, what else would explain it.
     #[must_use]
     pub fn detail(mut self, sentence: impl AsRef<str>) -> Self {
         let space = if self.detail.is_empty() { "" } else { " " };
@@ -280,28 +280,28 @@ impl Finding {
         self
     }
 
-    /// A rule that says it better, where it finds the same.
+    /// A rule that explains it better, if it finds the same.
     #[must_use]
     pub fn unless(mut self, rule: RuleCode) -> Self {
         self.unless.push(Unless::Rule(rule));
         self
     }
 
-    /// A rule that says it better, where one of its findings names `about`.
+    /// A rule that explains it better, if one of its findings names `about`.
     #[must_use]
     pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {
         self.unless.push(Unless::About(rule, about.into()));
         self
     }
 
-    /// A finding of the same rule on `subject` has the same cause, and speaks for both.
+    /// A finding of the same rule on `subject` has the same cause and is shown for both.
     #[must_use]
     pub fn same_cause_as(mut self, subject: impl Into<String>) -> Self {
         self.unless.push(Unless::CauseOf(subject.into()));
         self
     }
 
-    /// Where a frame would stand instead: `target_from_source`.
+    /// The transform that the rule considers right: `target_from_source`.
     #[must_use]
     pub fn prefers(mut self, target: impl Into<String>, source: impl Into<String>, pose: Isometry3<f64>) -> Self {
         self.prefers = Some(Preferred {

@@ -1,4 +1,4 @@
-//! What a rule writes its judgements into.
+//! Collects the judgements of a rule.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::{Finding, Measured, NotEvaluated, Outcome, Plot, SeenPlane};
 pub struct Judged {
     /// What was judged.
     pub subject: String,
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
     /// Why it was not evaluated.
     pub reason: Option<String>,
@@ -24,22 +24,22 @@ pub struct Judge {
     pub judged: Vec<Judged>,
     /// Findings in the order they were made.
     pub findings: Vec<Finding>,
-    /// Whether nobody will look at plots.
+    /// Whether plots are not needed.
     pub without_plots: bool,
     /// Plots by the subjects that they belong to.
     pub plots: BTreeMap<String, Vec<Plot>>,
     /// Planes by the subjects that they belong to.
     pub planes: BTreeMap<String, Vec<SeenPlane>>,
-    /// Where in `judged` a subject that failed stands.
+    /// The index in `judged` of a subject that failed.
     failed: BTreeMap<String, usize>,
-    /// Findings that are counted by the last one, and not kept.
+    /// Number of findings that the last one counts and that are not kept.
     unlisted: usize,
 }
 
-/// Subjects of one rule that plots are kept of: a recording may have thousands of topics.
+/// Maximum number of subjects of a rule with plots: a recording may have thousands of topics.
 const MAX_PLOTTED: usize = 64;
 
-/// Findings of one rule that are kept of one platform: each takes some kilobytes. Those behind them are counted by one more finding.
+/// Maximum number of findings kept of one rule on one platform: each takes some kilobytes. Further ones are counted in one more finding.
 const MOST_FINDINGS: usize = 5000;
 
 /// Subject of the finding that counts others.
@@ -65,7 +65,7 @@ impl Judge {
         }
     }
 
-    /// Counts a finding that is not kept, in the finding behind those that are. It is as severe and as sure as the loudest that it counts.
+    /// Counts a finding that is not kept, in one finding after those kept. Its severity and confidence are the highest of those counted.
     fn count(&mut self, mut finding: Finding) {
         self.unlisted += 1;
         if self.unlisted == 1 {
@@ -74,7 +74,7 @@ impl Judge {
             finding.unless.clear();
             finding.explainers.clear();
             finding.prefers = None;
-            "fix what is listed, and check again".clone_into(&mut finding.help);
+            "fix the listed findings, and check again".clone_into(&mut finding.help);
             finding.places.truncate(1);
             UNLISTED.clone_into(&mut finding.subject);
             self.keep(finding);
@@ -87,7 +87,7 @@ impl Judge {
         let measured = vec![Measured::count(UNLISTED, self.unlisted)];
         if let Some(last) = self.findings.last_mut() {
             last.message = format!(
-                "{} more findings of this rule are counted and not listed: {MOST_FINDINGS} are the most of one platform",
+                "{} more findings of this rule are not listed (at most {MOST_FINDINGS} per platform)",
                 self.unlisted
             );
             last.measured.clone_from(&measured);
@@ -114,7 +114,7 @@ impl Judge {
         self.findings.push(finding);
     }
 
-    /// What there is to be seen of a subject, judged before or after. Made only where somebody may look at it.
+    /// A plot of a subject, judged before or after. Made only if plots are needed.
     pub fn plot(&mut self, subject: &str, plot: impl FnOnce() -> Option<Plot>) {
         let has_room = self.plots.len() < MAX_PLOTTED || self.plots.contains_key(subject);
         if let Some(plot) = (has_room && !self.without_plots).then(plot).flatten() {
@@ -122,7 +122,7 @@ impl Judge {
         }
     }
 
-    /// Planes that were seen in the clouds of a subject. Made only where somebody may look at them.
+    /// Planes found in the clouds of a subject. Made only if plots are needed.
     pub fn planes(&mut self, subject: &str, planes: impl FnOnce() -> Vec<SeenPlane>) {
         if self.planes.len() < MAX_PLOTTED && !self.without_plots {
             self.planes.insert(subject.to_owned(), planes());
@@ -139,17 +139,17 @@ impl Judge {
         });
     }
 
-    /// The rule has no question to this subject.
+    /// The rule does not apply to this subject.
     pub fn not_applicable(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
         self.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
     }
 
-    /// Something that the judgement needs is not at hand.
+    /// An input that the judgement needs is missing.
     pub fn missing(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
         self.not_evaluated(subject, NotEvaluated::MissingInput, reason);
     }
 
-    /// What was measured does not suffice.
+    /// The data do not suffice to decide.
     pub fn too_little(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
         self.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
     }

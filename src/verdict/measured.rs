@@ -11,18 +11,18 @@ pub struct Measured {
     pub value: f64,
     /// Unit: `deg`, `m`, `s`, `1` for ratios, `count`.
     pub unit: String,
-    /// The limit it was held against, in the same unit.
+    /// The limit it was compared with, in the same unit.
     pub limit: Option<f64>,
     /// Spread of the value, in the same unit.
     pub spread: Option<f64>,
     /// Number of samples behind it.
     pub n: Option<u64>,
-    /// Whether it is the angle by which something is turned against what it should be; see [`Measured::turn`].
+    /// Whether it is the angle between an orientation and what it should be; see [`Measured::turn`].
     #[serde(skip)]
     pub is_turn: bool,
 }
 
-/// One alone, where several may be given.
+/// A single one, where several may be given.
 impl IntoIterator for Measured {
     type Item = Self;
     type IntoIter = std::iter::Once<Self>;
@@ -51,15 +51,14 @@ impl Measured {
         Self::new(what, value as f64, "count")
     }
 
-    /// With the limit it was held against.
+    /// With the limit it was compared with.
     #[must_use]
     pub fn limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
         self
     }
 
-    /// An angle by which a frame or an orientation is turned against what it should be: what it moves far points by is told with
-    /// the finding.
+    /// An angle between a frame or an orientation and what it should be: reports add by how much it moves distant points.
     #[must_use]
     pub fn turn(mut self) -> Self {
         self.is_turn = true;

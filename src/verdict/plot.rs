@@ -1,24 +1,24 @@
-//! What people would rather look at than read: points and lines over two axes, as pure data, bounded in size.
+//! Plots: points and lines over two axes, as pure data, bounded in size.
 //!
-//! Must not know pixels, colours nor where it is drawn.
+//! Do not know pixels, colours or where they are drawn.
 
 use serde::{Deserialize, Serialize};
 
-/// Points that are kept of a series.
+/// Maximum number of points of a series.
 pub const MAX_POINTS: usize = 2000;
 
 /// A plot that belongs to one judgement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plot {
-    /// What is to be seen, in a few words.
+    /// The title, a few words.
     pub title: String,
     /// To the right.
     pub x: Axis,
     /// Upwards.
     pub y: Axis,
-    /// Whether a step to the right is as long as the same step upwards: of places, and of two angles.
+    /// Whether both axes have the same scale: for positions, and for two angles.
     pub equal: bool,
-    /// What was measured, and what it is held against.
+    /// What was measured, and what it is compared with.
     pub series: Vec<Series>,
     /// Values of y that must not be crossed, or should be met.
     pub limits: Vec<Level>,
@@ -27,7 +27,7 @@ pub struct Plot {
 /// One of the axes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Axis {
-    /// What it counts ("time of the recording").
+    /// Its quantity ("time of the recording").
     pub label: String,
     /// Unit: `s`, `m`, `deg`, `1` where there is none.
     pub unit: String,
@@ -43,13 +43,13 @@ impl Axis {
     }
 }
 
-/// How the points of a series belong together.
+/// How the points of a series are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Each for itself.
+    /// As separate points.
     Points,
-    /// In their order, as one line. Lines of one name belong together.
+    /// As one line, in their order. Lines with the same name belong together.
     Line,
 }
 
@@ -74,7 +74,7 @@ pub struct Level {
 }
 
 impl Series {
-    /// Points, each for itself. Of too many, the lowest and the highest of each stretch are kept: what strays is what matters.
+    /// Separate points. If there are too many, the lowest and the highest of each interval are kept: outliers matter.
     pub fn points(name: impl Into<String>, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
         let points: Vec<[f64; 2]> = points.into_iter().filter(is_finite).collect();
         Self {
@@ -84,7 +84,7 @@ impl Series {
         }
     }
 
-    /// Lines of one name through the points of each stretch; of too many, every so many are kept, and the last.
+    /// Lines with one name through the points of each interval; if there are too many points, every n-th is kept, and the last.
     pub fn lines(name: &str, stretches: impl IntoIterator<Item = Vec<[f64; 2]>>) -> Vec<Self> {
         let mut stretches: Vec<Vec<[f64; 2]>> = stretches.into_iter().collect();
         for stretch in &mut stretches {

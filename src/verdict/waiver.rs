@@ -1,4 +1,4 @@
-//! What a user accepts, and what became of it: pure data.
+//! What a user accepts, and its effect: pure data.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,19 +6,19 @@ use crate::source::Place;
 
 use super::Finding;
 
-/// A day as it is written and compared: `2027-01-31`.
+/// A date as it is written and compared: `2027-01-31`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Day(String);
 
 impl Day {
-    /// A day of the calendar, `YYYY-MM-DD`. `None` where there is no such day.
+    /// A date of the calendar, `YYYY-MM-DD`. `None` if there is no such date.
     pub fn parse(text: &str) -> Option<Self> {
         let at_midnight = humantime::parse_rfc3339(&format!("{text}T00:00:00Z")).ok()?;
         let day = Self::of(at_midnight);
         (day.0 == text).then_some(day)
     }
 
-    /// The day of a moment, in UTC.
+    /// The date of a time, in UTC.
     pub fn of(moment: std::time::SystemTime) -> Self {
         let text = humantime::format_rfc3339_seconds(moment).to_string();
         Self(text.split('T').next().unwrap_or_default().to_owned())
@@ -29,7 +29,7 @@ impl Day {
         &self.0
     }
 
-    /// Days from `earlier` to this one; 0 where it is not later.
+    /// Days from `earlier` to this one; 0 if it is not later.
     pub fn days_since(&self, earlier: &Self) -> u64 {
         let moment = |day: &Self| humantime::parse_rfc3339(&format!("{}T00:00:00Z", day.0)).ok();
         let passed = moment(self).zip(moment(earlier));
@@ -38,10 +38,10 @@ impl Day {
     }
 }
 
-/// The family of the rules that speak of acceptances: they judge no robot, and can't be accepted themselves.
+/// The family of the rules about acceptances: they do not check a robot, and cannot be accepted themselves.
 pub const FAMILY: &str = "GATE";
 
-/// Where an acceptance stands.
+/// Where an acceptance is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum WaiverKind {
     /// Under `waivers:` of the configuration.
@@ -66,11 +66,11 @@ impl WaiverKind {
 /// An acceptance of findings, as the user declares it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waiver {
-    /// Where it stands.
+    /// Its place.
     pub kind: WaiverKind,
     /// Code, name or family of the rules.
     pub rule: String,
-    /// What it is for, in words, behind the rule; empty where it is for everything that the rule finds.
+    /// Its scope in words, after the rule; empty if it is for every finding of the rule.
     pub about: String,
     /// Why the findings are accepted.
     pub reason: String,
@@ -78,14 +78,14 @@ pub struct Waiver {
     pub by: Option<String>,
     /// The last day on which it holds.
     pub until: Option<Day>,
-    /// Where it stands, in words: `frames-lint.yaml:12`.
+    /// Its place, in words: `frames-lint.yaml:12`.
     pub origin: String,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 
 impl Waiver {
-    /// What a finding that it accepts is told.
+    /// The note in a finding that it accepts.
     pub fn waived(&self) -> Waived {
         Waived {
             reason: self.reason.clone(),
@@ -96,7 +96,7 @@ impl Waiver {
     }
 }
 
-/// What became of an acceptance in a run.
+/// The effect of an acceptance in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Applied {
     /// The acceptance.
@@ -105,22 +105,22 @@ pub struct Applied {
     pub matched: usize,
     /// Days since it ran out; `None` while it holds.
     pub expired_days: Option<u64>,
-    /// Why it cannot be said whether it is still needed: what it is for was not judged.
+    /// Why it is unknown whether it is still needed: its subject was not evaluated.
     pub unjudged: Option<String>,
 }
 
-/// A comment to frames-lint that says nothing which it understands.
+/// A comment to frames-lint that cannot be understood.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Misspelt {
     /// The comment.
     pub text: String,
     /// What is wrong with it.
     pub fault: String,
-    /// Where it stands.
+    /// Its place.
     pub place: Place,
 }
 
-/// That a finding is accepted, and by what.
+/// The acceptance of a finding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Waived {
     /// Why.
@@ -129,7 +129,7 @@ pub struct Waived {
     pub by: Option<String>,
     /// The last day on which it is.
     pub until: Option<Day>,
-    /// Where that stands, in words.
+    /// The place of the acceptance, in words.
     pub origin: String,
 }
 
@@ -145,7 +145,7 @@ impl Waived {
     }
 }
 
-/// What a finding is known by when lines move: the rule, what was judged, the file and the relation.
+/// Identifies a finding when lines move: the rule, the subject, the file and the relation.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Identity {
     /// Code of the rule.
@@ -159,8 +159,8 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Of a finding; `platforms` are what subjects open with where a run has several, and `paths` say for each place of it what its
-    /// file is called in this run and what it is known by.
+    /// Of a finding; `platforms` are the names with which subjects begin if a run has several, and `paths` give for each place of it the
+    /// path of its file in this run and the path that identifies it.
     pub fn of(finding: &Finding, platforms: &[String], paths: impl Fn(&Place) -> Option<(String, String)>) -> Self {
         let mut subject = without_bytes(plain_subject(&finding.subject, platforms));
         let mut primary = None;
@@ -182,7 +182,7 @@ impl Identity {
     }
 }
 
-/// A subject without the bytes at which it stands (` at byte 120`): they move with the lines.
+/// A subject without its byte offset (` at byte 120`), which moves with the lines.
 fn without_bytes(subject: &str) -> String {
     const MARK: &str = " at byte ";
     let Some((before, rest)) = subject.split_once(MARK) else {
@@ -192,7 +192,7 @@ fn without_bytes(subject: &str) -> String {
     format!("{before}{}", without_bytes(rest))
 }
 
-/// A subject without the platform that it opens with where a run has several.
+/// A subject without the name of the platform with which it begins if a run has several.
 pub fn plain_subject<'a>(subject: &'a str, platforms: &[String]) -> &'a str {
     let behind = |platform: &String| subject.strip_prefix(platform.as_str())?.strip_prefix(": ");
     platforms.iter().find_map(behind).unwrap_or(subject)

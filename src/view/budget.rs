@@ -1,23 +1,23 @@
-//! A scene that is no larger than it may be: what there is most of is thinned, evenly.
+//! Keeps a scene below a size: the largest kinds of data are thinned evenly.
 
 use std::collections::BTreeMap;
 
 use super::scene::{Body, Item, Path, Points, Scene, What};
 
-/// Bytes that one item costs beside its numbers, as the viewer's files have it: what holds always, and one moment of many.
+/// Bytes of one item besides its numbers, in the viewer's files: of a constant item, and of one sample of many.
 const OF_ALWAYS: usize = 800;
 const OF_MOMENT: usize = 12;
-/// Rounds of thinning: each halves what is large.
+/// Maximum number of rounds of thinning: each halves what is large.
 const ROUNDS: usize = 24;
 
-/// What was left out of a scene.
+/// What was removed from a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Every how many-th moment is shown.
+    /// One in this many samples is shown.
     pub moments: usize,
-    /// Every how many-th point of clouds is shown.
+    /// One in this many points of clouds is shown.
     pub points: usize,
-    /// Meshes that are not shown.
+    /// Number of meshes removed.
     pub meshes: usize,
 }
 
@@ -29,7 +29,7 @@ impl LeftOut {
         meshes: 0,
     };
 
-    /// What is left out when more is left out of what there is.
+    /// What is removed in total after removing more.
     #[must_use]
     pub fn and(self, more: Self) -> Self {
         Self {
@@ -40,12 +40,12 @@ impl LeftOut {
     }
 }
 
-/// About how many bytes a scene takes.
+/// The approximate size of a scene, bytes.
 pub fn estimate(scene: &Scene) -> usize {
     Size::of(scene).sum()
 }
 
-/// Thins a scene until it has about so many bytes. Says by how much.
+/// Thins a scene to about this many bytes. Returns what was removed.
 pub fn fit(scene: &mut Scene, max_bytes: usize) -> LeftOut {
     let mut left_out = LeftOut::NOTHING;
     for _ in 0..ROUNDS {
@@ -67,7 +67,7 @@ pub fn fit(scene: &mut Scene, max_bytes: usize) -> LeftOut {
     left_out
 }
 
-/// What a scene takes, bytes: by what of it can be thinned.
+/// The size of a scene, bytes, by what can be thinned.
 #[derive(Default)]
 struct Size {
     always: usize,
@@ -102,7 +102,7 @@ fn mesh_bytes(what: &What) -> usize {
     }
 }
 
-/// Leaves meshes out, the largest first, until those that stay have no more than so many bytes. Returns how many.
+/// Removes meshes, the largest first, until the others have at most this many bytes. Returns the number removed.
 fn without_large_meshes(scene: &mut Scene, max_bytes: usize) -> usize {
     let mut sizes: Vec<usize> = scene.items.iter().map(|item| mesh_bytes(&item.what)).collect();
     sizes.retain(|bytes| *bytes > 0);
@@ -118,7 +118,7 @@ fn without_large_meshes(scene: &mut Scene, max_bytes: usize) -> usize {
     before - scene.items.len()
 }
 
-/// The points of a cloud: what has labels is none.
+/// The points of a cloud: points with labels are not one.
 fn points_of(what: &What) -> Option<&Points> {
     match what {
         What::Points(points) | What::Pixels(points) => Some(points).filter(|points| points.labels.is_empty()),
@@ -126,7 +126,7 @@ fn points_of(what: &What) -> Option<&Points> {
     }
 }
 
-/// Keeps every other point of clouds. What has labels is never thinned.
+/// Keeps every other point of clouds. Points with labels are never thinned.
 fn thin(what: &mut What) {
     fn half<T>(items: &mut Vec<T>) {
         let mut at = 0;
@@ -151,7 +151,7 @@ fn thin(what: &mut What) {
     }
 }
 
-/// Keeps every other moment of each entity, the first among them, and everything that holds always.
+/// Keeps every other sample of each entity, including the first, and everything constant.
 fn every_other(items: &mut Vec<Item>) {
     let mut seen: BTreeMap<Path, usize> = BTreeMap::new();
     items.retain(|item| {

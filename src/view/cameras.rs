@@ -1,4 +1,4 @@
-//! Cameras: what they see, as a frustum, and where the points of lidars fall in their images.
+//! Cameras: their field of view as a frustum, and the points of lidars projected into their images.
 
 use nalgebra::{Isometry3, Point3};
 
@@ -15,7 +15,7 @@ const NEAR_M: f64 = 0.3;
 /// Distance at which the colour of a projected point no longer changes, metres.
 const FAR_M: f64 = 40.0;
 
-/// Every calibrated camera of a world, with the clouds that fall into its image. Returns the cameras with such clouds.
+/// Every calibrated camera of a world, with the clouds projected into its image. Returns the cameras with such clouds.
 pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
     let mut images = Vec::new();
     let world = placed.world();
@@ -51,7 +51,7 @@ fn is_calibrated(calibration: &CameraModel) -> bool {
     calibration.k[0] > 0.0 && calibration.k[4] > 0.0 && calibration.size.iter().all(|pixels| *pixels > 0)
 }
 
-/// The points of a topic as they fall into the image: those before the camera, without its distortion. Whether any does.
+/// Projects the points of a topic into the image: those in front of the camera, without distortion. Returns whether any is in it.
 fn projected(
     (topic, camera, calibration): (&TopicEvidence, &FrameId, &CameraModel),
     buffer: &Buffer,
@@ -89,7 +89,7 @@ fn projected(
     has_any
 }
 
-/// Depth and pixel of a point, if it falls into the image.
+/// Depth and pixel of a point, if it is in the image.
 fn pixel(
     camera_from_cloud: &Isometry3<f64>,
     point: &Point3<f64>,

@@ -1,5 +1,4 @@
-//! What other sources say of frames, beside where they stand, with the difference; where rules would have them; and frames that no
-//! transform leads to.
+//! Poses of frames from other sources, with the difference; poses corrected by rules; and frames that no transform leads to.
 
 use std::collections::BTreeSet;
 
@@ -12,14 +11,14 @@ use crate::world::{Claim, ClaimKind, FrameId, World};
 use super::placed::{OF_LABELS, Placed, axis, label_at};
 use super::scene::{Color, Lines, Path, Scene, What, narrow};
 
-/// Differences below these are none to look at: those of TREE11's rounding.
+/// Smaller differences are not shown: those of TREE11's rounding.
 const SAME_DEG: f64 = 0.05;
 const SAME_M: f64 = 1e-3;
 
 pub(super) const OF_PREFERRED: Color = [110, 220, 130];
 const OF_DIFFERENCES: Color = [235, 60, 60];
 
-/// The same frame as another source has it, and how far that is from where it stands.
+/// The same frame as another source states it, and its difference from the shown pose.
 pub(super) fn beside(
     main: Option<Isometry3<f64>>,
     (other, said_by): (Option<Isometry3<f64>>, String),
@@ -34,7 +33,7 @@ pub(super) fn beside(
     let apart = main.map(|main| main.inverse() * other);
     let differs = apart.map(|apart| (apart.rotation.angle().to_degrees(), apart.translation.vector.norm()));
     if differs.is_some_and(|(deg, m)| deg <= SAME_DEG && m <= SAME_M) {
-        // The name of the frame stands there already.
+        // The name of the frame is shown there already.
         return;
     }
     let label = format!("{frame} by {said_by}");
@@ -42,7 +41,7 @@ pub(super) fn beside(
     let Some((main, (deg, m))) = main.zip(differs) else {
         return;
     };
-    // A turn about one point has no length: it is shown by where a point before the frame goes.
+    // A pure rotation has no length: it is shown by the displacement of a point in front of the frame.
     let reach = Vector3::x() * f64::from(size_m);
     let tip = |pose: &Isometry3<f64>| narrow(&(pose.translation.vector + pose.rotation * reach));
     let (origin, others) = (narrow(&main.translation.vector), narrow(&other.translation.vector));
@@ -66,7 +65,7 @@ fn inside(parent_from_own: &Isometry3<f64>, in_parent: [f32; 3]) -> [f32; 3] {
     narrow(&parent_from_own.inverse_transform_point(&point).coords)
 }
 
-/// What calibration files say of frames of the tree, and of others.
+/// Transforms of calibration files, of frames in the tree and others.
 pub(super) fn claims(placed: &mut Placed, findings: &[&Finding], (top, aside_m): (&Path, &mut f64), scene: &mut Scene) {
     let world = placed.world();
     let of_file = |claim: &&Claim| matches!(claim.kind, ClaimKind::File { .. });
@@ -100,14 +99,14 @@ pub(super) fn claims(placed: &mut Placed, findings: &[&Finding], (top, aside_m):
     }
 }
 
-/// Where rules would have frames instead.
+/// Poses of frames corrected by rules.
 pub(super) fn preferred(placed: &mut Placed, findings: &[&Finding], scene: &mut Scene) {
     for finding in findings {
         let Some(prefers) = &finding.prefers else { continue };
         let Some(parent) = placed.path(&FrameId::new(prefers.target.as_str())).cloned() else {
             continue;
         };
-        let label = format!("{} as {} would have it", prefers.source, finding.rule);
+        let label = format!("{} as {} corrects it", prefers.source, finding.rule);
         let own = parent.then(label.clone());
         scene.always(&own, What::Pose(prefers.pose));
         scene.always(&own, What::Axes(placed.size_m * 0.7));
@@ -120,7 +119,7 @@ pub(super) fn preferred(placed: &mut Placed, findings: &[&Finding], scene: &mut 
     }
 }
 
-/// Frames that only headers of messages name: nothing says where they are.
+/// Frames that only headers of messages name: their poses are unknown.
 pub(super) fn of_messages(placed: &mut Placed, findings: &[&Finding], (top, aside_m): (&Path, f64), scene: &mut Scene) {
     let topics = placed.world().bags.iter().flat_map(|bag| bag.topics.values());
     let named: BTreeSet<FrameId> = topics
@@ -137,7 +136,7 @@ pub(super) fn of_messages(placed: &mut Placed, findings: &[&Finding], (top, asid
     for (number, frame) in lost.collect::<Vec<_>>().into_iter().enumerate() {
         let path = top.then(frame.as_str());
         let aside_m = aside_m + 2.0 * (number as f64 + 1.0);
-        let why = "in messages; no transform leads to it";
+        let why = "named by messages; no transform leads to it";
         placed.stand_apart(&frame, (&path, aside_m), why, findings, scene);
     }
 }

@@ -1,4 +1,4 @@
-//! Clouds of points in their frames at their stamps, coloured by their height over the ground that a rule saw in them, else over z = 0
+//! Point clouds in their frames at their timestamps, coloured by their height over the ground that a rule found in them, else over z = 0
 //! of the fixed frame; that ground, and that plane.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +17,7 @@ use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
 
 /// Half the side of the plane that is drawn, and the distance of its lines, metres.
 const PLANE_M: (i32, usize) = (20, 2);
-/// The same of a ground that was seen.
+/// The same for a ground found in a cloud.
 const PATCH_M: (i32, usize) = (8, 2);
 /// Heights over and under the plane at which the colour no longer changes, metres.
 const FULL_M: f64 = 0.5;
@@ -61,7 +61,7 @@ fn shown(content: &ContentEvidence) -> Vec<Shown> {
     clouds.chain(scans).collect()
 }
 
-/// The grounds that rules saw in clouds, by topic and log time: the normal in the axes of the cloud, and metres along it.
+/// The grounds that rules found in clouds, by topic and log time: the normal in the axes of the cloud, and metres along it.
 pub(super) struct Grounds<'v>(BTreeMap<(&'v str, i64), &'v SeenPlane>);
 
 impl<'v> Grounds<'v> {
@@ -75,8 +75,8 @@ impl<'v> Grounds<'v> {
     }
 }
 
-/// Clouds under the frames of their headers, each with the ground that was seen in it. Returns the entities that are hidden at first:
-/// clouds where rules would have their frames.
+/// Clouds under the frames of their headers, each with the ground found in it. Returns the entities that are hidden at first: clouds
+/// under frames corrected by rules.
 pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> Vec<Path> {
     let world = placed.world();
     let buffer = placed.buffer();
@@ -143,10 +143,10 @@ pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> V
     hidden
 }
 
-/// What a radar sees: what comes nearer is red, what goes away blue.
+/// Radar detections: approaching ones are red, receding ones blue.
 fn detections(said: &Said, path: &Path, scene: &mut Scene) {
     let sweeps = said.content.radar.iter().flat_map(|radar| radar.runs.iter().flatten());
-    // Of clouds that have speeds the points are shown with the clouds.
+    // Points of clouds with speeds are shown with the clouds.
     for sweep in sweeps.filter(|_| said.content.clouds.is_none()) {
         let point = |[x, y, z, _]: &[f64; 4]| [*x, *y, *z].map(|value| value as f32);
         let color = |[.., speed_m_s]: &[f64; 4]| residual(-speed_m_s * FULL_M / FULL_M_S);
@@ -160,7 +160,7 @@ fn detections(said: &Said, path: &Path, scene: &mut Scene) {
     }
 }
 
-/// The entities of a cloud under the frames that rules would have moved, and it with them.
+/// The entities of a cloud under frames corrected by rules.
 fn elsewhere(placed: &Placed, frame: &FrameId, name: &str, scene: &mut Scene) -> Vec<Path> {
     let mut entities = Vec::new();
     for (moved, path) in &placed.candidates {
@@ -176,7 +176,7 @@ fn elsewhere(placed: &Placed, frame: &FrameId, name: &str, scene: &mut Scene) ->
     entities
 }
 
-/// A piece of the ground under the origin of a cloud, as lines, with how far it is.
+/// A part of the ground under the origin of a cloud, as lines, with its distance.
 fn patch(plane: &SeenPlane) -> What {
     let foot = plane.normal * plane.offset_m;
     let aside = if plane.normal.x.abs() < 0.9 {

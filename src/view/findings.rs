@@ -1,4 +1,4 @@
-//! Each finding as a line of a log at its time, as a page, and as a mark at the frame that it is about.
+//! Each finding as a line of a log at its time, as a page, and as a mark at its frame.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -14,19 +14,19 @@ use super::look::{TRACK, Worst};
 use super::placed::Placed;
 use super::scene::{Color, Level, Path, Points, Scene, What};
 
-/// Findings stand beneath this.
+/// The root of the findings.
 pub(super) const FINDINGS: &str = "findings";
 
-/// Findings that are shown; more are only counted.
+/// Maximum number of findings shown; more are only counted.
 const MAX_FINDINGS: usize = 500;
 
-/// Where to look for what the rule of a finding judges.
+/// The place that shows what the rule of a finding judges.
 pub(super) fn view_of(run: &Run, finding: &Finding) -> Option<&'static View> {
     let rule = run.rules.iter().find(|rule| rule.code == finding.rule)?;
     views::of(rule.view)
 }
 
-/// Tells every finding.
+/// Shows every finding.
 pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mut Scene) -> Worst {
     let top = Path::top(FINDINGS);
     let mut page = summary(run);
@@ -69,7 +69,7 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
             scene.always(
                 &mark,
                 What::Points(Points {
-                    // The words stand beneath the frame, those of several beneath each other.
+                    // The labels are below the frame, one below the other.
                     xyz_m: vec![[0.0; 3], [0.0, 0.0, -0.5 * f32::from(*nth) * size_m]],
                     colors: vec![color],
                     radius: -6.0,
@@ -87,18 +87,18 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
     worst
 }
 
-/// What was checked: that nothing was found says only so much.
+/// What was checked: no findings mean little without it.
 fn summary(run: &Run) -> String {
     let count = |outcome: Outcome| run.verdict.count(outcome);
     format!(
-        "Findings: {}. Checks that passed: {}. Checks that could not be made: {}.\n\n",
+        "Findings: {}. Checks passed: {}. Checks not evaluated: {}.\n\n",
         run.verdict.findings.len(),
         count(Outcome::Pass),
         count(Outcome::NotEvaluated)
     )
 }
 
-/// A finding as a line: the rule, what it says and what was measured.
+/// A finding as a line: the rule, the message and what was measured.
 fn line(finding: &Finding) -> String {
     let measured: Vec<String> = finding.measured.iter().map(number_of).collect();
     let measured = if measured.is_empty() {
@@ -111,7 +111,7 @@ fn line(finding: &Finding) -> String {
 
 /// What was measured, with its limit.
 fn number_of(measured: &Measured) -> String {
-    // No zero has a sign.
+    // Adding zero turns -0 into 0.
     let four = |value: f64| format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0);
     let unit = if measured.unit == "1" {
         ""
@@ -160,8 +160,8 @@ fn loudness(finding: &Finding) -> (Level, Color) {
     }
 }
 
-/// The frame that a finding is about: that which a rule would have elsewhere, else the last of those that it names between backticks
-/// which stands in a tree, else that of the messages that it points at.
+/// The frame of a finding: the one that a rule corrects, else the last one named between backticks that is in a tree, else that of the
+/// messages that it points at.
 fn frame_of(finding: &Finding, run: &Run, placed: &[Placed]) -> Option<Path> {
     let path = |frame: FrameId| placed.iter().find_map(|placed| placed.path(&frame));
     let moved = finding.prefers.iter().map(|prefers| prefers.source.clone());

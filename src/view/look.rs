@@ -1,4 +1,4 @@
-//! From where a scene is seen when it is opened. Must not draw.
+//! The initial camera of a scene. Does not draw.
 
 use std::collections::BTreeMap;
 
@@ -6,19 +6,18 @@ use nalgebra::{Point3, Vector3};
 
 use super::scene::{Eye, Path, Places, Scene, View, What, narrow};
 
-/// Where and when the worst finding is, where that is known.
+/// Place and time of the worst finding, if known.
 pub(super) struct Worst {
     pub(super) at_ns: Option<i64>,
     pub(super) frame: Option<Path>,
-    /// Whether it is to be seen of a track, and not where one frame stands.
+    /// Whether it concerns a track, not the pose of one frame.
     pub(super) is_of_a_track: bool,
 }
 
-/// From where the spaces are seen at first: that of the worst finding before the others, with what is around its frame; of others, what
-/// stands in them.
+/// The initial cameras of the spaces: that of the worst finding first, looking at its frame; of others, at their content.
 pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Scene) {
     let places = Places::of(scene, worst.at_ns);
-    // Either there is one space, or each has a name beneath that of all.
+    // Either there is one space, or each has a name below the common root.
     let named: BTreeMap<&str, usize> = tops
         .iter()
         .enumerate()
@@ -58,7 +57,7 @@ pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Sc
         let target_m = of_frame.unwrap_or(middle_m);
         let mut away_m: Vec<f64> = stands.iter().map(|at| (at - target_m).norm()).collect();
         away_m.sort_by(f64::total_cmp);
-        // What is far away with few others would make everything else small.
+        // A few distant items would make everything else small.
         let most = away_m.get(away_m.len() * 9 / 10).copied().unwrap_or(0.0);
         let around_m = if worst.is_of_a_track {
             most.max(MIN_AROUND_M)
@@ -77,17 +76,17 @@ pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Sc
     spaces.rotate_left(of_worst.unwrap_or(0));
 }
 
-/// Whether an entity is a track, or one of several that are laid over each other.
+/// Whether an entity is a track, or one of several superimposed ones.
 fn is_track(path: &Path) -> bool {
     path.names().iter().any(|name| name.contains(TRACK))
 }
 
-/// What the names of tracks hold.
+/// A part of the names of tracks.
 pub(super) const TRACK: &str = "track";
-/// Every so many points of a track are looked at when it is decided from where it is seen.
+/// Step between the points of a track that are used to place the camera.
 const TRACK_STEP: usize = 10;
 
-/// How much is seen around what one looks at, metres: no less and no more.
+/// Minimum and maximum extent around the target, metres.
 const MIN_AROUND_M: f64 = 0.5;
 const MAX_AROUND_M: f64 = 20.0;
 

@@ -1,6 +1,6 @@
-//! What a run has to be looked at: its frames, clouds, tracks, plots and findings as a scene, in memory, for any viewer.
+//! The views of a run: frames, clouds, tracks, plots and findings as a scene, in memory, for any viewer.
 //!
-//! Owns what is shown and where it stands. Must not know the viewer, read files, nor judge.
+//! Decides what is shown and where. Does not know the viewer, read files, or judge.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // viewers take single numbers and colours of a byte
 
@@ -29,7 +29,7 @@ use scene::{Kind, Path, Scene, View, WORLD};
 
 pub use budget::{LeftOut, estimate, fit};
 
-/// What subjects of several platforms open with: each its platform's name.
+/// The names of platforms with which subjects begin, if there are several.
 struct Labels<'r>(BTreeMap<&'r str, usize>);
 
 impl<'r> Labels<'r> {
@@ -38,7 +38,7 @@ impl<'r> Labels<'r> {
         Self(labels.map(|(number, world)| (world.label.as_str(), number)).collect())
     }
 
-    /// The number of the platform that a subject is of; `None` where it is of none, or there is only one.
+    /// The index of the platform of a subject; `None` if it has none, or there is only one.
     fn number(&self, subject: &str) -> Option<usize> {
         let ends = subject.match_indices(": ").map(|(at, _)| at);
         let mut labels = ends.filter_map(|at| self.0.get(subject.get(..at)?));
@@ -46,7 +46,7 @@ impl<'r> Labels<'r> {
     }
 }
 
-/// Everything that a run has to be looked at. It must have kept what was [`Run::seen`], its rows their plots.
+/// The scene of a run, which must have kept [`Run::seen`] and the plots of its rows.
 pub fn scene(run: &Run) -> Scene {
     let mut scene = Scene::default();
     let labels = Labels::of(&run.seen);
@@ -104,7 +104,7 @@ pub fn scene(run: &Run) -> Scene {
     scene
 }
 
-/// The views: space, the plots with those of the worst finding first, what goes over time, the findings.
+/// The views: space, the plots (those of the worst finding first), time series, the findings.
 fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: &[Drawn]) -> Vec<View> {
     let flat = |name: String, kind: Kind, origin: Path| View {
         name,
@@ -157,15 +157,15 @@ fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: 
     views
 }
 
-/// Views of plots and of what goes over time that are of the worst finding, and of others; the entities of more are there all the same.
+/// Maximum number of views of plots and time series of the worst finding, and of others; the entities of further ones exist too.
 const MAX_OTHERS: usize = 32;
 
-/// What is shown in one view over time: all stamps; of an inertial sensor, each of its vectors.
+/// The content of one view over time: all timestamps; for an inertial sensor, each of its vectors.
 fn groups(scene: &Scene, time: &Path) -> Vec<Path> {
     let mut groups: Vec<Path> = Vec::new();
     for item in scene.items.iter().filter(|item| item.path.is_in(time)) {
         let names = item.path.names();
-        // What has one unit for all its curves.
+        // Groups whose curves have one unit.
         let depth = match names.get(1).map(String::as_str) {
             Some("inertial" | "position") => 4,
             Some("orientation") => 3,

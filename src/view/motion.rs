@@ -1,4 +1,4 @@
-//! What moves: tracks in space, and what sensors and clocks say over time.
+//! Motion: tracks in space, and measurements of sensors and clocks over time.
 
 use nalgebra::Vector3;
 
@@ -10,16 +10,16 @@ use crate::world::{Pose, World};
 use super::placed::Placed;
 use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
 
-/// Points of one track, and of one curve.
+/// Maximum number of points of a track, and of a curve.
 const MAX_POINTS: usize = 3000;
 
 const OF_POSES: Color = [90, 170, 250];
 const OF_FIXES: Color = [250, 190, 60];
 /// x, y, z.
 const OF_AXES: [Color; 3] = [[235, 80, 80], [90, 200, 90], [90, 130, 250]];
-/// Of what has no colour of its own.
+/// The default colour.
 const OF_STAMPS: Color = [230, 230, 120];
-/// Streams beside each other, by turns.
+/// Colours of streams, in turn.
 const OF_STREAMS: [Color; 8] = [
     OF_STAMPS,
     [90, 170, 250],
@@ -31,7 +31,7 @@ const OF_STREAMS: [Color; 8] = [
     [180, 150, 250],
 ];
 
-/// What is shown over time stands beneath this.
+/// The root of everything shown over time.
 pub(super) const TIME: &str = "time";
 
 /// Draws every stream of a recording.
@@ -56,7 +56,7 @@ pub(super) fn streams(bag: &BagEvidence, placed: &Placed, (top, prefix): (&Path,
     }
 }
 
-/// How a localisation moves the odometry in the map: its jumps are seen.
+/// How a localisation moves the odometry frame in the map: shows its jumps.
 fn correction(edge: &TfEdge, prefix: &str, scene: &mut Scene) {
     if edge.child.canonical().as_str().rsplit('/').next() != Some("odom") {
         return;
@@ -102,7 +102,7 @@ fn inertial(said: &Said, prefix: &str, scene: &mut Scene) {
     };
     let rows: Vec<_> = series.rows().collect();
     let name = format!("{prefix}{}", name(said));
-    for (what, unit) in [("acceleration", "m/s2"), ("turn rate", "rad/s")] {
+    for (what, unit) in [("acceleration", "m/s2"), ("angular velocity", "rad/s")] {
         for (axis, (letter, color)) in ["x", "y", "z"].into_iter().zip(OF_AXES).enumerate() {
             let path = Path::top(TIME)
                 .then("inertial")
@@ -134,7 +134,7 @@ fn curve(path: &Path, (name, color): (&str, Color), values: impl Iterator<Item =
     }
 }
 
-/// Roll, pitch and yaw as they are told, whatever frame they are meant in.
+/// Roll, pitch and yaw as published, without conversion between frames.
 fn orientations(said: &Said, prefix: &str, scene: &mut Scene) {
     let motion = &said.content.motion;
     let inertial = motion.inertial.iter().flat_map(Series::rows);
@@ -162,7 +162,7 @@ fn orientations(said: &Said, prefix: &str, scene: &mut Scene) {
     }
 }
 
-/// Latitude, longitude and altitude as they are told, also where they are no place on the Earth.
+/// Latitude, longitude and altitude as published, even if they are not a position on the Earth.
 fn positions(said: &Said, prefix: &str, scene: &mut Scene) {
     let Some(series) = &said.content.motion.fixes else {
         return;
@@ -201,7 +201,7 @@ fn poses(said: &Said, placed: &Placed, scene: &mut Scene) {
     );
 }
 
-/// The track of satellites, east, north and up of the first fix.
+/// The GNSS track, east, north and up of the first fix.
 fn fixes(said: &Said, top: &Path, scene: &mut Scene) {
     let Some(series) = &said.content.motion.fixes else {
         return;
@@ -216,14 +216,11 @@ fn fixes(said: &Said, top: &Path, scene: &mut Scene) {
             .filter_map(|row| Some(narrow(&origin.enu_of(&geodetic(row)?))))
             .collect()
     });
-    let path = top.then(format!(
-        "track of satellites, {} (east, north, up of the first fix)",
-        name(said)
-    ));
+    let path = top.then(format!("GNSS track, {} (east, north, up of the first fix)", name(said)));
     track(&path, strips.collect(), OF_FIXES, scene);
 }
 
-/// Where sources say that the origin of a frame lies on the Earth: east, north and up of the first that does.
+/// The stated positions of frame origins on the Earth: east, north and up of the first.
 pub(super) fn origins(world: &World, top: &Path, scene: &mut Scene) {
     let stated = world.origins.iter().filter_map(|origin| {
         let [latitude_deg, longitude_deg] = origin.latitude_longitude_deg?;
@@ -235,7 +232,11 @@ pub(super) fn origins(world: &World, top: &Path, scene: &mut Scene) {
     let (mut xyz_m, mut labels) = (Vec::new(), Vec::new());
     for (at, label) in &stated {
         let seen = first.zip(at.as_ref()).map(|(first, at)| narrow(&first.enu_of(at)));
-        let remark = if seen.is_none() { " (no place on the Earth)" } else { "" };
+        let remark = if seen.is_none() {
+            " (not a position on the Earth)"
+        } else {
+            ""
+        };
         labels.push(format!("{label}{remark}"));
         xyz_m.push(seen.unwrap_or_default());
     }
@@ -271,7 +272,7 @@ fn moment(stamp_ns: i64, log_ns: i64) -> i64 {
     if stamp_ns == 0 { log_ns } else { stamp_ns }
 }
 
-/// Evenly thinned, the first among them.
+/// Evenly thinned, including the first.
 fn every<T>(rows: &[T]) -> impl Iterator<Item = &T> {
     rows.iter().step_by(rows.len().div_ceil(MAX_POINTS).max(1))
 }

@@ -1,4 +1,4 @@
-//! Where the frames of a world stand in the tree of entities, and how they are named there.
+//! The entities of the frames of a world, and their names.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -14,21 +14,21 @@ use super::upright::upright;
 
 pub(super) const OF_LABELS: Color = [200, 200, 200];
 
-/// Where the frames of a world stand in the tree of entities.
+/// The entities of the frames of a world.
 pub(super) struct Placed<'w> {
     world: &'w World,
-    /// The transforms of the first namespace, as tf2 hears them.
+    /// The transforms of the first namespace, as in tf2.
     buffer: Rc<Buffer>,
     paths: BTreeMap<FrameId, Path>,
     /// Roots by their frames: that of each component.
     root_of: BTreeMap<FrameId, FrameId>,
-    /// How trees are turned to be seen the right way up, by their roots.
+    /// The rotations that show trees upright, by their roots.
     turn_of: BTreeMap<FrameId, UnitQuaternion<f64>>,
     /// Length of axes, metres.
     pub(super) size_m: f32,
-    /// The frame beneath which most stand.
+    /// The root of the largest tree.
     pub(super) fixed: Option<FrameId>,
-    /// Where rules would have frames instead: the frame, and the entity that stands there.
+    /// Frames corrected by rules, with the entities of their corrected poses.
     pub(super) candidates: Vec<(FrameId, Path)>,
 }
 
@@ -49,13 +49,13 @@ impl<'w> Placed<'w> {
         }
     }
 
-    /// Notes that a frame stands at an entity, in the tree of a root.
+    /// Registers the entity of a frame, in the tree of a root.
     pub(super) fn put(&mut self, frame: &FrameId, path: &Path, root: &FrameId) {
         self.paths.insert(frame.clone(), path.clone());
         self.root_of.insert(frame.clone(), root.clone());
     }
 
-    /// Where a root stands: so far aside, turned so that it is seen the right way up. Returns why it is turned, if it is.
+    /// Places a root: at this distance to the side, rotated to be upright. Returns the reason of the rotation, if any.
     pub(super) fn turn(
         &mut self,
         root: &FrameId,
@@ -70,7 +70,7 @@ impl<'w> Placed<'w> {
         upright.why
     }
 
-    /// Draws a frame that stands in no tree, and says why.
+    /// Draws a frame that is not in a tree, with the reason.
     pub(super) fn stand_apart(
         &mut self,
         frame: &FrameId,
@@ -87,7 +87,7 @@ impl<'w> Placed<'w> {
         self.put(frame, path, frame);
     }
 
-    /// How high a point of a tree's root is seen, metres.
+    /// The height of a point of a tree's root in the view, metres.
     pub(super) fn height_m(&self, root: &FrameId, in_root: &Point3<f64>) -> f64 {
         self.turn_of.get(root).map_or(in_root.z, |turn| (turn * in_root).z)
     }
@@ -97,7 +97,7 @@ impl<'w> Placed<'w> {
         self.paths.get(&frame.canonical())
     }
 
-    /// Whether a frame is another, or stands beneath it.
+    /// Whether a frame is another, or below it.
     pub(super) fn stands_beneath(&self, frame: &FrameId, above: &FrameId) -> bool {
         let paths = self.path(frame).zip(self.path(above));
         paths.is_some_and(|(path, above)| path.is_in(above))
@@ -113,7 +113,7 @@ impl<'w> Placed<'w> {
         self.world
     }
 
-    /// The root of the tree that a frame stands in.
+    /// The root of the tree of a frame.
     pub(super) fn root(&self, frame: &FrameId) -> Option<&FrameId> {
         self.root_of.get(&frame.canonical())
     }
@@ -131,13 +131,13 @@ fn size_of_axes(world: &World) -> f32 {
     (usual / 3.0).clamp(0.02, 0.5) as f32
 }
 
-/// The end of the x, y or z axis by turns.
+/// The end of the x, y or z axis, in turn.
 pub(super) fn axis(turn: usize, size_m: f32) -> Vector3<f64> {
     let ends = [Vector3::x(), Vector3::y(), Vector3::z()];
     ends.get(turn % 3).copied().unwrap_or_default() * f64::from(size_m) * 1.1
 }
 
-/// Words at a place.
+/// A label at a place.
 pub(super) fn label_at(at: &Vector3<f64>, label: String, size_m: f32, color: Color) -> What {
     What::Points(Points {
         xyz_m: vec![narrow(at)],

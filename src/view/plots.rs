@@ -1,4 +1,4 @@
-//! The plots of rules: over time where time is to the right, else in a plane with its axes.
+//! The plots of rules: over time if the x axis is time, else in a plane with its axes.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use crate::verdict::{Row, Verdict};
 
 use super::scene::{Color, Drawing, Lines, Path, Scene, What};
 
-/// Plots stand beneath this, by rule.
+/// The root of the plots, by rule.
 pub(super) const PLOTS: &str = "plots";
 
 /// Colours of the series, in their order.
@@ -23,17 +23,17 @@ const OF_AXES: Color = [150, 150, 150];
 /// Width and height of a plot whose axes have units of their own.
 const SIZE: [f64; 2] = [160.0, 90.0];
 
-/// Where a plot stands.
+/// The place of a plot.
 pub(super) struct Drawn {
     pub(super) path: Path,
-    /// What of the plane it takes; `None` where it is shown over time.
+    /// The range of the plane that it covers; `None` if it is shown over time.
     pub(super) bounds: Option<Bounds>,
 }
 
 /// The lowest and the highest x, and y downwards.
 type Bounds = [[f32; 2]; 2];
 
-/// Every plot of a verdict; `at` says when the recordings of a subject begin, and where it stands in space. Returns where each stands.
+/// Every plot of a verdict; `at` gives the start of a subject's recordings, and its place in space. Returns the place of each.
 pub(super) fn plots<'t>(
     verdict: &Verdict,
     at: &dyn Fn(&str) -> Option<(i64, &'t Path)>,
@@ -64,7 +64,7 @@ pub(super) fn plots<'t>(
     drawn
 }
 
-/// The series with their colours: those of one name have the same.
+/// The series with their colours: series with the same name have the same colour.
 fn colored(plot: &Plot) -> impl Iterator<Item = (&Series, Color)> {
     let mut names: Vec<&str> = Vec::new();
     plot.series.iter().map(move |series| {
@@ -77,7 +77,7 @@ fn colored(plot: &Plot) -> impl Iterator<Item = (&Series, Color)> {
     })
 }
 
-/// Where the plots of a judgement stand.
+/// The place of the plots of a judgement.
 fn path(row: &Row) -> Path {
     Path::top(PLOTS).then(row.rule.clone()).then(row.subject.clone())
 }
@@ -102,7 +102,7 @@ fn over_time(plot: &Plot, path: &Path, start_ns: i64, scene: &mut Scene) {
     }
 }
 
-/// Tracks that are laid over each other, on the ground: east and north are those of the tracks of satellites.
+/// Superimposed tracks, on the ground: east and north are those of the GNSS tracks.
 fn in_space(plot: &Plot, top: &Path, scene: &mut Scene) {
     let path = top.then(plot.title.clone());
     let mut named = BTreeSet::new();
@@ -136,7 +136,7 @@ fn in_plane(plot: &Plot, path: &Path, scene: &mut Scene) -> Option<Bounds> {
     }
     let levels = || plot.limits.iter().map(|limit| limit.at);
     let (bottom, top) = (levels().fold(bottom, f64::min), levels().fold(top, f64::max));
-    // Where a step to the right is as long as one upwards, metres stay metres.
+    // With equal axes, metres stay metres.
     let scale = |low: f64, high: f64, size: f64| {
         if plot.equal {
             1.0
@@ -179,13 +179,13 @@ fn in_plane(plot: &Plot, path: &Path, scene: &mut Scene) -> Option<Bounds> {
         let unit = if axis.unit == "1" { "" } else { axis.unit.as_str() };
         (format!("{way}: {}, {low:.3} to {high:.3} {unit}", axis.label), OF_AXES)
     };
-    legend.push(words("to the right", &plot.x, left, right));
-    legend.push(words("upwards", &plot.y, bottom, top));
+    legend.push(words("x axis", &plot.x, left, right));
+    legend.push(words("y axis", &plot.y, bottom, top));
     legend.dedup();
     Some(told(&legend, place([right, top]), path, scene))
 }
 
-/// What is what, in lines above a plot of this size. Returns what of the plane both take.
+/// The legend, in lines above a plot of this size. Returns the range of the plane that both cover.
 fn told(legend: &[(String, Color)], [width, height]: [f32; 2], path: &Path, scene: &mut Scene) -> Bounds {
     let (width, height) = (width.max(1e-6), height.max(width / 4.0));
     let line = height.max(width / 2.0) * LINE;
@@ -198,10 +198,10 @@ fn told(legend: &[(String, Color)], [width, height]: [f32; 2], path: &Path, scen
             color: *color,
             label: name.clone(),
         };
-        scene.always(&path.then("what is what").then(format!("{number}")), What::Drawing(at));
+        scene.always(&path.then("legend").then(format!("{number}")), What::Drawing(at));
     }
     [[-0.1 * width, 1.1 * width], [-y - 0.5 * line, 0.1 * height]]
 }
 
-/// Height of a line of words, as a share of the plot's height.
+/// Height of a line of text, as a share of the plot's height.
 const LINE: f32 = 0.14;

@@ -1,4 +1,4 @@
-//! What links look like, under their frames: shapes, and meshes that were found in a form that viewers read.
+//! The bodies of links, under their frames: shapes, and meshes that were found in a format that viewers read.
 
 use std::path::Path as FilePath;
 
@@ -9,10 +9,10 @@ use crate::world::robot::Shape;
 use super::placed::Placed;
 use super::scene::{Body, Path, Scene, What};
 
-/// Endings of the meshes that the viewer reads.
+/// Extensions of the meshes that the viewer reads.
 const READABLE: [&str; 5] = ["glb", "gltf", "obj", "stl", "dae"];
 
-/// Draws the robots of a world; where a link has nothing that can be drawn, its frame stands for it.
+/// Draws the robots of a world; a link without a drawable body is shown by its frame.
 pub(super) fn robots(placed: &Placed, scene: &mut Scene) {
     for robot in &placed.world().robots {
         let source = placed.world().source(robot.source);

@@ -1,6 +1,6 @@
-//! What is to be seen, as pure data: entities with a place in a tree, at a time or always, and the views that show them.
+//! A scene as pure data: entities with a place in a tree, at a time or always, and the views that show them.
 //!
-//! Must not know the viewer. Everything spatial stands under [`WORLD`], whose axes are x east or forward, y north or left, z up.
+//! Independent of the viewer. Everything spatial is under [`WORLD`], whose axes are x east or forward, y north or left, z up.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::source::MeshFile;
 
-/// The entity that everything spatial stands under.
+/// The root of all spatial entities.
 pub const WORLD: &str = "world";
 
 /// An entity's place in the tree: names from the top, without slashes of their own.
@@ -21,7 +21,7 @@ impl Path {
         Self(vec![name.into()])
     }
 
-    /// The entity of this name beneath.
+    /// The child entity of this name.
     #[must_use]
     pub fn then(&self, name: impl Into<String>) -> Self {
         let mut names = self.0.clone();
@@ -34,12 +34,12 @@ impl Path {
         &self.0
     }
 
-    /// As reports have it: `world/map/base_link`.
+    /// As in reports: `world/map/base_link`.
     pub fn words(&self) -> String {
         self.0.join("/")
     }
 
-    /// Whether it is `other` or stands beneath it.
+    /// Whether it is `other` or below it.
     pub fn is_in(&self, other: &Self) -> bool {
         self.0.starts_with(&other.0)
     }
@@ -48,7 +48,7 @@ impl Path {
 /// A colour: red, green, blue.
 pub type Color = [u8; 3];
 
-/// Points with what is told of each.
+/// Points with labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
     /// Metres, in the entity's frame.
@@ -87,10 +87,10 @@ pub enum Body {
     Sphere(f32),
 }
 
-/// What an entity shows.
+/// The content of an entity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// Where its frame stands in that of the entity above: `parent_from_child`.
+    /// The pose of its frame in that of the parent entity: `parent_from_child`.
     Pose(Isometry3<f64>),
     /// The axes of its frame, metres long: x red, y green, z blue.
     Axes(f32),
@@ -104,7 +104,7 @@ pub enum What {
     Camera([f32; 9], [f32; 2]),
     /// Points in the image of the camera above: x to the right and y down, pixels.
     Pixels(Points),
-    /// Points of a plane, x to the right and y up: what a plot shows.
+    /// Points of a plot, x to the right and y up.
     Drawing(Drawing),
     /// A number with its name and colour.
     Number(f64),
@@ -125,11 +125,11 @@ pub struct Drawing {
     pub is_line: bool,
     /// Colour.
     pub color: Color,
-    /// Words beneath points; none where empty.
+    /// Labels below points; none if empty.
     pub label: String,
 }
 
-/// How loud a line of the log is.
+/// The level of a line of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// A note, or a hint.
@@ -140,12 +140,12 @@ pub enum Level {
     Error,
 }
 
-/// Something to be seen.
+/// An item of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
     /// The entity.
     pub path: Path,
-    /// The stamp from which on it holds, nanoseconds; always where `None`.
+    /// The timestamp from which it is valid, nanoseconds; `None`: always.
     pub stamp_ns: Option<i64>,
     /// What it is.
     pub what: What,
@@ -171,40 +171,40 @@ pub enum Kind {
 pub struct View {
     /// Its name.
     pub name: String,
-    /// How it shows.
+    /// How it shows them.
     pub kind: Kind,
-    /// What is shown, with everything beneath.
+    /// The entities shown, with everything below them.
     pub origin: Path,
-    /// Entities that are there and hidden at first.
+    /// Entities that are hidden at first.
     pub hidden: Vec<Path>,
-    /// What of a plane is seen at first: the lowest and the highest x, and y downwards; everything where `None`.
+    /// The initial range of a plane: the lowest and the highest x, and y downwards; `None`: everything.
     pub bounds: Option<[[f32; 2]; 2]>,
-    /// Where one looks from at first; from where everything is seen where `None`.
+    /// The initial camera; `None`: one that shows everything.
     pub eye: Option<Eye>,
 }
 
-/// Where one looks from, in the axes of the view's origin.
+/// A camera position, in the axes of the view's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
-    /// Where the eye is, metres.
+    /// Its position, metres.
     pub at_m: [f32; 3],
-    /// What it looks at, metres.
+    /// The point that it looks at, metres.
     pub target_m: [f32; 3],
 }
 
 /// Everything.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// What is to be seen.
+    /// The items.
     pub items: Vec<Item>,
-    /// The views, the one that is looked at first before all others.
+    /// The views; the first one is opened first.
     pub views: Vec<View>,
-    /// The stamp that is looked at first, nanoseconds.
+    /// The initial timestamp, nanoseconds.
     pub at_ns: Option<i64>,
 }
 
 impl Scene {
-    /// Adds what holds always.
+    /// Adds an item that is always valid.
     pub fn always(&mut self, path: &Path, what: What) {
         self.items.push(Item {
             path: path.clone(),
@@ -213,7 +213,7 @@ impl Scene {
         });
     }
 
-    /// Adds what holds from a stamp on.
+    /// Adds an item that is valid from a timestamp on.
     pub fn at(&mut self, path: &Path, stamp_ns: i64, what: What) {
         self.items.push(Item {
             path: path.clone(),
@@ -222,19 +222,19 @@ impl Scene {
         });
     }
 
-    /// Whether an entity, or one beneath it, shows anything.
+    /// Whether an entity, or one below it, has content.
     pub fn has(&self, path: &Path) -> bool {
         self.items.iter().any(|item| item.path.is_in(path))
     }
 }
 
-/// Where entities stand at one moment.
+/// The poses of entities at one time.
 pub struct Places<'s> {
     own: BTreeMap<&'s Path, &'s Isometry3<f64>>,
 }
 
 impl<'s> Places<'s> {
-    /// By the last poses up to a stamp. What moves and has no pose yet then stands where it will be first, and where there is no stamp.
+    /// From the last poses up to a timestamp. A moving entity without a pose by then, or without a timestamp, has its first pose.
     pub fn of(scene: &'s Scene, at_ns: Option<i64>) -> Self {
         let mut own: BTreeMap<&Path, &Isometry3<f64>> = BTreeMap::new();
         for item in &scene.items {
@@ -253,7 +253,7 @@ impl<'s> Places<'s> {
         Self { own }
     }
 
-    /// Where an entity stands in that at the top: `top_from_entity`.
+    /// The pose of an entity in the top one: `top_from_entity`.
     pub fn place(&self, of: &Path) -> Isometry3<f64> {
         let above = (1..=of.0.len()).map(|depth| Path(of.0.iter().take(depth).cloned().collect()));
         let poses = above.map(|path| self.own.get(&path).copied().copied());

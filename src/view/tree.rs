@@ -1,4 +1,4 @@
-//! Frames as axes at their poses over time, each beneath its parent; trees that are not connected set apart.
+//! Frames as axes at their poses over time, each below its parent; unconnected trees are placed apart.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -15,15 +15,15 @@ use super::claims::{beside, claims, name, of_messages, preferred};
 use super::placed::{OF_LABELS, Placed, axis, label_at};
 use super::scene::{Color, Lines, Path, Scene, What, narrow};
 
-/// Steps of one moving edge that are shown.
+/// Maximum number of shown samples of a moving edge.
 const MAX_STEPS: usize = 3000;
 
-/// Metres; farther from its parent is no frame but those that stand on the Earth and are told from its centre.
+/// Metres; only frames on the Earth with poses relative to its centre are farther from their parent.
 const FAR_M: f64 = 1e6;
 
 const OF_LINKS: Color = [110, 110, 120];
 
-/// Draws the frames of a world beneath `top`. `events_ns` are stamps at which something is shown: frames stand exactly right then.
+/// Draws the frames of a world below `top`. `events_ns` are timestamps at which something is shown: poses are exact then.
 pub(super) fn frames<'w>(
     world: &'w World,
     findings: &[&Finding],
@@ -46,11 +46,11 @@ pub(super) fn frames<'w>(
         let path = top.then(root.as_str());
         let turned = placed.turn(root, (&path, aside_m), findings, scene);
         let why = [
-            (number > 0).then(|| "not connected to the others".to_owned()),
+            (number > 0).then(|| "not connected to the other frames".to_owned()),
             graph
                 .edges_from(root)
                 .any(is_far)
-                .then(|| "its own place is far away".to_owned()),
+                .then(|| "shown here instead of its true, distant position".to_owned()),
             turned,
         ];
         let why: Vec<String> = why.into_iter().flatten().collect();
@@ -65,14 +65,14 @@ pub(super) fn frames<'w>(
         };
         drawing.frame(root, &path, None, &why.join(", "));
         drawing.children(root, &path);
-        // A second root of one component, and what only a loop leads to.
+        // A second root of one component, and frames on a cycle.
         for member in &component.members {
             if drawing.placed.path(member).is_none() {
                 let path = top.then(member.as_str());
                 drawing
                     .scene
                     .always(&path, What::Pose(Isometry3::translation(0.0, aside_m, 0.0)));
-                drawing.frame(member, &path, None, "not connected beneath a root");
+                drawing.frame(member, &path, None, "not connected to a root");
                 drawing.children(member, &path);
             }
         }
@@ -89,9 +89,9 @@ struct Drawing<'a, 'w> {
     buffer: &'a Buffer,
     events_ns: &'a BTreeSet<i64>,
     root: FrameId,
-    /// Who says where frames are.
+    /// The source of poses.
     said_by: BTreeMap<FrameId, SourceId>,
-    /// The first frame that stands far from its parent, as it stands there.
+    /// The first frame that is far from its parent, with its pose.
     first_far: Option<Isometry3<f64>>,
     scene: &'a mut Scene,
 }
@@ -101,7 +101,7 @@ impl Drawing<'_, '_> {
     fn frame(&mut self, frame: &FrameId, path: &Path, edge: Option<&Edge>, remark: &str) {
         self.placed.put(frame, path, &self.root);
         let said_by = edge.and_then(|edge| edge.source(self.placed.world()));
-        // What the source of the frame above says, too, need not be told of each.
+        // The source is shown only if it differs from that of the parent frame.
         let above = edge.and_then(|edge| self.said_by.get(&edge.parent).copied());
         let is_told = said_by.is_some() && said_by != above && self.placed.world().members.len() > 1;
         self.said_by.extend(said_by.map(|id| (frame.clone(), id)));
@@ -125,7 +125,7 @@ impl Drawing<'_, '_> {
         };
         let size_m = self.placed.size_m;
         self.scene.always(path, What::Axes(size_m));
-        // Names of frames that stand in one place are read at the ends of different axes.
+        // Names of frames at one place are shown at the ends of different axes.
         let is_at_parent = |pose: Isometry3<f64>| pose.translation.vector.norm() < f64::from(size_m) / 2.0;
         let at = edge.and_then(|edge| edge.pose).filter(|pose| is_at_parent(*pose));
         let at = at.map_or_else(Vector3::zeros, |_| axis(path.names().len(), size_m));
@@ -144,7 +144,7 @@ impl Drawing<'_, '_> {
                 if self.placed.path(child).is_some() {
                     continue;
                 }
-                // As tf2 has it: what is published counts, and moves.
+                // As in tf2: published transforms count, and move.
                 let by_tf = |edge: &&&Edge| matches!(edge.origin, EdgeOrigin::Tf(..));
                 let first = edges.iter().find(by_tf).or(edges.first());
                 let Some(main) = first.copied() else { continue };
@@ -172,8 +172,8 @@ impl Drawing<'_, '_> {
         }
     }
 
-    /// Where a frame stands in its parent: once, or at every step. What stands on the Earth stands about the first of it instead: its
-    /// centre is too far to be seen, and its axes are upright nowhere.
+    /// The pose of a frame in its parent: once, or at every sample. A frame on the Earth is shown relative to the first such frame instead:
+    /// the Earth's centre is too far away, and its axes are upright nowhere.
     fn pose(&mut self, edge: &Edge, path: &Path) {
         if edge.is_rigid {
             let Some(pose) = edge.pose else { return };

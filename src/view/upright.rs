@@ -1,4 +1,4 @@
-//! How a tree of frames is turned so that it is seen the right way up, whatever axes its root has.
+//! How a tree of frames is rotated so that it is shown upright, for any axes of its root.
 
 use nalgebra::UnitQuaternion;
 
@@ -7,15 +7,15 @@ use crate::verdict::Finding;
 use crate::world::conventions::{BodyAxes, Subject, WorldAxes};
 use crate::world::{FrameId, World};
 
-/// A turn with what says that it is needed.
+/// A rotation with the reason for it.
 pub(super) struct Upright {
-    /// `seen_from_root`, where what is seen has z up.
+    /// `seen_from_root`; the frame `seen` has z up.
     pub(super) turn: UnitQuaternion<f64>,
-    /// Why, for the root's label; `None` where nothing is turned.
+    /// The reason, for the root's label; `None` without a rotation.
     pub(super) why: Option<String>,
 }
 
-/// By what is declared of the root, else by its name, else by what was measured.
+/// By the declaration for the root, else by its name, else by findings.
 pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> Upright {
     let turned = |turn: AxisTurn, why: &str| Upright {
         turn: turn.quaternion(),
@@ -28,9 +28,9 @@ pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> U
     });
     let convention = declared.map(|declared| declared.convention).unwrap_or_default();
     match (convention.world, convention.body) {
-        (Some(WorldAxes::Ned), _) => return turned(AxisTurn::NedEnu, "declared NED"),
-        (Some(WorldAxes::Nwu), _) => return turned(AxisTurn::Z90, "declared NWU"),
-        (_, Some(BodyAxes::Frd)) => return turned(AxisTurn::FluFrd, "declared FRD"),
+        (Some(WorldAxes::Ned), _) => return turned(AxisTurn::NedEnu, "declared as NED"),
+        (Some(WorldAxes::Nwu), _) => return turned(AxisTurn::Z90, "declared as NWU"),
+        (_, Some(BodyAxes::Frd)) => return turned(AxisTurn::FluFrd, "declared as FRD"),
         (Some(WorldAxes::Enu), _) | (_, Some(BodyAxes::Flu)) => return none(),
         (None, None) => {}
     }
@@ -46,8 +46,8 @@ pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> U
     let subject = format!("z of `{root}`");
     let measured = findings.iter().filter(|finding| finding.subject.contains(&subject));
     let mut measured = measured.filter_map(|finding| match finding.relation.as_deref()? {
-        "z-down" => Some((AxisTurn::FluFrd, format!("z points down, as {} measured", finding.rule))),
-        "optical" => Some((AxisTurn::Optical, format!("optical axes, as {} measured", finding.rule))),
+        "z-down" => Some((AxisTurn::FluFrd, format!("z points down, measured by {}", finding.rule))),
+        "optical" => Some((AxisTurn::Optical, format!("optical axes, measured by {}", finding.rule))),
         _ => None,
     });
     measured.next().map_or_else(none, |(turn, why)| turned(turn, &why))

@@ -29,7 +29,7 @@ fn empty_files_and_blanks() {
         let why = if kind == "mcap" {
             "not an MCAP: the magic bytes at byte 0 are missing"
         } else {
-            "the file holds only blanks"
+            "the file contains only whitespace"
         };
         check(&format!("blanks.{kind}"), " \n\t\r\n  ", 3, &[why]);
     }

@@ -290,7 +290,7 @@ fn the_settings_of_a_file_are_shown() {
         "ignore         NAME01 (a/../frames-lint.yaml:1:18)",
         "limit          CROSS02 mount_m: 12 m (a/frames-lint.yaml:3:",
         "require        TREE01 (a/frames-lint.yaml:4)",
-        "above          frames-lint.yaml, for platforms that reach out of this folder",
+        "above          frames-lint.yaml, for platforms that extend beyond this folder",
     ] {
         assert!(shown.contains(line), "{line} is not in\n{shown}");
     }
@@ -609,7 +609,11 @@ fn a_configuration_that_is_found_reads_files_of_its_own_repository_only() {
         assert!(!ran.err.contains("hunter2"), "{}", ran.err);
         for allowed in [&[".", "--outside"][..], &[".", "--config", "frames-lint.yaml"]] {
             let ran = told(config, allowed);
-            assert!(ran.code == 2 && !ran.err.contains("lies outside"), "{}", ran.err);
+            assert!(
+                ran.code == 2 && !ran.err.contains("is outside of the repository"),
+                "{}",
+                ran.err
+            );
         }
     }
 }

@@ -176,7 +176,8 @@ fn sarif_is_valid_and_keeps_suppressions_fixes_and_what_was_not_evaluated() {
         .collect();
     assert!(
         told.iter()
-            .any(|text| text.contains("AXES01 had to be evaluated") && text.contains("sensor_msgs/msg/Imu"))
+            .any(|text| text.contains("AXES01 is required but was not evaluated")
+                && text.contains("sensor_msgs/msg/Imu"))
     );
     assert!(told.iter().any(|text| text.starts_with("broken.json: ")));
     assert!(
@@ -282,7 +283,7 @@ fn github_gets_commands_that_it_can_parse() {
         of("ROT09")
     );
     assert!(of("ROT09").contains("%0Awaived: drawn so: 90%25 *sure*"));
-    assert!(of("AXES01").starts_with("::error title=AXES01 not met::AXES01 had to be evaluated and was not"));
+    assert!(of("AXES01").starts_with("::error title=AXES01 not met::AXES01 is required but was not evaluated"));
 }
 
 #[test]
@@ -296,7 +297,7 @@ fn markdown_has_no_markup_but_ours() {
     assert!(text.contains("<details><summary>Waived: 1 finding</summary>"));
     assert!(text.contains("drawn so: 90% \\*sure\\*"));
     assert!(!text.contains("<b>"), "{text}");
-    assert!(text.contains("### Required, and not met"));
+    assert!(text.contains("### Requirements not met"));
 }
 
 #[test]
@@ -340,7 +341,7 @@ fn concise_is_a_line_for_each() {
         "{text}"
     );
     assert!(text.contains("waived: a robot, 100% <b>.urdf:14:"), "{text}");
-    assert!(text.contains("AXES01 had to be evaluated and was not"), "{text}");
+    assert!(text.contains("AXES01 is required but was not evaluated"), "{text}");
     assert!(text.contains("broken.json: "), "{text}");
 }
 

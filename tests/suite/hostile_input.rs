@@ -89,8 +89,8 @@ fn large_files() {
     let folder = tempfile::tempdir().unwrap();
     for (name, why) in [
         ("zeros.mcap", "the magic bytes at byte 0 are missing"),
-        ("zeros.urdf", "1024 MB are too large"),
-        ("zeros.yaml", "1024 MB are too large"),
+        ("zeros.urdf", "the file has 1024 MB"),
+        ("zeros.yaml", "the file has 1024 MB"),
     ] {
         File::create(folder.path().join(name))
             .unwrap()

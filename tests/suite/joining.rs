@@ -367,7 +367,7 @@ fn a_folder_beside_a_robot_that_has_its_own_calibration_is_not_its() {
         .iter()
         .find(|source| source.path.ends_with("c/sensors.yaml"))
         .unwrap();
-    assert!(alone.notes[0].starts_with("judged without"), "{:?}", alone.notes);
+    assert!(alone.notes[0].starts_with("checked without"), "{:?}", alone.notes);
 }
 
 /// A table of sensors has a row for each car, and these are calibrated one by one.

@@ -83,7 +83,7 @@ fn a_file_that_is_no_report_is_replaced_by_force_alone() {
         fs::write(&notes, foreign).unwrap();
         let ran = program::run(folder.path(), ["check", "car.urdf", "-o", output]);
         assert_eq!(ran.code, 2, "{}", ran.err);
-        assert!(ran.err.contains("--force replaces it"), "{}", ran.err);
+        assert!(ran.err.contains("with --force"), "{}", ran.err);
         assert_eq!(fs::read_to_string(&notes).unwrap(), foreign);
         let ran = program::run(folder.path(), ["check", "car.urdf", "-o", output, "--force"]);
         assert_eq!(ran.code, 0, "{}", ran.err);
@@ -162,7 +162,7 @@ fn each_output_has_its_own_file() {
         ["check", ".", "--output", "json=report", "--output", "html=link"],
     );
     assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("are one file"), "{}", ran.err);
+    assert!(ran.err.contains("are the same file"), "{}", ran.err);
     let twice = ["check", ".", "--output", "json=new", "--output", "html=./new"];
     let ran = program::run(folder.path(), twice);
     assert!(ran.code == 2 && ran.err.contains("two outputs"), "{}", ran.err);
@@ -228,7 +228,7 @@ fn a_fix_replaces_what_was_meant_and_the_rest_by_force_alone() {
     let outside = tempfile::tempdir().unwrap();
     let other = outside.path().join("car.urdf");
     let cases: [(&str, Make); 3] = [
-        ("it may not be written", &|robot| {
+        ("it is read-only", &|robot| {
             fs::write(robot, WITH_FIX).unwrap();
             fs::set_permissions(robot, fs::Permissions::from_mode(0o444)).unwrap();
         }),
@@ -236,7 +236,7 @@ fn a_fix_replaces_what_was_meant_and_the_rest_by_force_alone() {
             fs::write(robot, WITH_FIX).unwrap();
             fs::hard_link(robot, robot.with_file_name("twin.txt")).unwrap();
         }),
-        ("it lies outside of what was checked", &|robot| {
+        ("it is outside of the checked paths", &|robot| {
             fs::write(&other, WITH_FIX).unwrap();
             symlink(&other, robot).unwrap();
         }),

@@ -297,7 +297,7 @@ fn a_baseline_that_is_none_is_a_fault_of_the_call() {
     ]);
     for (name, what) in [
         ("a.json", "missing field"),
-        ("b.json", "it is `other/1`"),
+        ("b.json", "its schema is `other/1`"),
         ("none.json", "No such file"),
     ] {
         let ran = check(folder.path(), &["--baseline", name, "."]);
@@ -334,7 +334,7 @@ fn a_required_rule_that_could_not_judge_makes_the_run_incomplete_and_says_what_t
         "{unmet}"
     );
     let human = run(folder.path(), ["check", "."]);
-    assert!(human.text().contains("Required, and not met (1 requirement)") && human.text().contains("needed: an IMU"));
+    assert!(human.text().contains("Requirements not met (1 requirement)") && human.text().contains("needed: an IMU"));
     // The profiles of the tool ask for it as well.
     fs::remove_file(folder.path().join("frames-lint.yaml")).unwrap();
     let ran = run(
@@ -516,9 +516,9 @@ fn words_that_name_no_rule_and_no_limit_are_faults_with_a_place() {
         ),
         (
             "limits: {ROT09: {lateral_mm: 3}}\n",
-            "frames-lint.yaml:1:30: `lateral_mm` is in mm: write `10 mm`",
+            "frames-lint.yaml:1:30: `lateral_mm` has the unit mm: write it as in `10 mm`",
         ),
-        ("limits: {ROT09: {lateral_mm: 3 deg}}\n", "`lateral_mm` is in mm"),
+        ("limits: {ROT09: {lateral_mm: 3 deg}}\n", "`lateral_mm` has the unit mm"),
         ("limits: {rot: {lateral_mm: 3 m}}\n", "`rot` is a family"),
     ] {
         let folder = folder(&[("robot.urdf", ROBOT), ("frames-lint.yaml", config)]);

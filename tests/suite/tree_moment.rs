@@ -83,8 +83,8 @@ map_from_os_lidar = map_from_odom * odom_from_base_link * base_link_from_os_lida
         back.out,
         "\
 base_link_from_map = base_link_from_odom * odom_from_map at 2023-11-14 22:13:25.000 UTC (1700000005 s)
-  base_link_from_odom  xyz -10 0 0 m, rpy 0 0 0 deg    drive.mcap /tf, a sample of this stamp, inverted
-  odom_from_map        xyz 0 100 0 m, rpy 0 0 -90 deg  drive.mcap /tf, a sample of this stamp, inverted
+  base_link_from_odom  xyz -10 0 0 m, rpy 0 0 0 deg    drive.mcap /tf, a sample at this timestamp, inverted
+  odom_from_map        xyz 0 100 0 m, rpy 0 0 -90 deg  drive.mcap /tf, a sample at this timestamp, inverted
   base_link_from_map   xyz -10 100 0 m, rpy 0 0 -90 deg
 "
     );
@@ -109,12 +109,12 @@ fn a_chain_that_tf2_would_refuse_says_so() {
             &["--chain", "Map", "os_lidar"][..],
             &[
                 "LookupException: \"Map\" passed to lookupTransform argument target_frame does not exist.",
-                "nearly like it: `map`",
+                "similar names: `map`",
             ][..],
         ),
         (
             &["--chain", "map", "/os_lidar"],
-            &["InvalidArgumentException: ", "nearly like it: `os_lidar`"],
+            &["InvalidArgumentException: ", "similar names: `os_lidar`"],
         ),
         (
             &["--chain", "map", "os_lidar", "--at", "1700000012"],
@@ -144,9 +144,9 @@ fn the_tree_at_a_stamp_is_that_of_its_time() {
 At 2023-11-14 22:13:25.000 UTC (1700000005 s)
 
 map
-└─ odom  xyz 100 0 0 m, rpy 0 0 90 deg  drive.mcap /tf, a sample of this stamp
-   └─ base_link  xyz 10 0 0 m, rpy 0 0 0 deg  drive.mcap /tf, a sample of this stamp
-      ├─ cart  xyz -1 0 0 m, rpy 0 0 0 deg  drive.mcap /tf, a sample of this stamp; at other times under `odom`
+└─ odom  xyz 100 0 0 m, rpy 0 0 90 deg  drive.mcap /tf, a sample at this timestamp
+   └─ base_link  xyz 10 0 0 m, rpy 0 0 0 deg  drive.mcap /tf, a sample at this timestamp
+      ├─ cart  xyz -1 0 0 m, rpy 0 0 0 deg  drive.mcap /tf, a sample at this timestamp; at other times under `odom`
       └─ os_lidar  xyz 0.3 0 1.2 m, rpy 0 0 0 deg  robot.urdf:7 joint lidar_joint (fixed), static
 "
     );
@@ -161,7 +161,7 @@ odom
 │  └─ os_lidar  xyz 0.3 0 1.2 m, rpy 0 0 0 deg  robot.urdf:7 joint lidar_joint (fixed), static
 └─ cart  identity  drive.mcap /tf, 0.01 s after a sample, 0.09 s before the next; at other times under `base_link`
 
-Without a parent then, with one at other times
+Without a parent at this time, but with one at other times
   odom  under `map`: ended 3.01 s before
 "
     );

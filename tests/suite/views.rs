@@ -129,7 +129,7 @@ fn statements_of_one_pair_stand_side_by_side_with_their_difference_and_what_a_ru
     };
     is_at("world/base_link/lidar", &told);
     is_at("world/base_link/lidar by lidar.yaml", &inverse);
-    is_at("world/base_link/lidar as CROSS02 would have it", &told);
+    is_at("world/base_link/lidar as CROSS02 corrects it", &told);
     assert!(
         labels(&scene).iter().any(|label| label.ends_with("m apart")),
         "{:?}",
@@ -281,7 +281,7 @@ fn a_cloud_is_there_as_it_is_told_and_hidden_as_a_rule_would_have_it() {
     let (run, scene) = of_recipes(&[("drive.mcap", INVERSE)], Verdicts::One);
     assert_eq!(run.verdict.findings[0].rule, "CROSS04");
     let told = path("world/base_link/velodyne").then("points of /points");
-    let better = path("world/base_link/velodyne as CROSS04 would have it").then("points of /points");
+    let better = path("world/base_link/velodyne as CROSS04 corrects it").then("points of /points");
     assert!(scene.has(&told) && scene.has(&better));
     assert_eq!(scene.views[0].hidden, std::slice::from_ref(&better));
     let place = pose(&scene, &better).translation.vector;

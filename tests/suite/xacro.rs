@@ -437,7 +437,7 @@ fn the_program_is_run_only_where_the_user_says_so() {
         ["check", ".", "--config", "own.yaml"],
         &[("PATH", path.as_str())],
     );
-    assert!(inside.text().contains("no effect of `xacro`"), "{}", inside.text());
+    assert!(inside.text().contains("`xacro` has no effect"), "{}", inside.text());
     assert!(checked(&folder.path().join("gate.yaml")) && !checked(&robot.join("own.yaml")));
     // A configuration beside a file that is named is of who wrote that file, a link in its folder as well.
     write(&robot, "frames-lint.yaml", "xacro: run\n");

@@ -1,4 +1,4 @@
-"""The program frames-lint as a Python package: it is installed beside Python's own scripts, and `python -m frames_lint` runs it."""
+"""The program frames-lint as a Python package: installed in Python's scripts folder, and run by `python -m frames_lint`."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""`python -m frames_lint`: the program with the same arguments, and its exit code."""
+"""`python -m frames_lint`: runs the program with the same arguments and exit code."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-//! What is kept of a judged recording to compare it with others: a thousand of them fit into memory.
+//! Data kept of a judged recording to compare it with others: small enough for a thousand recordings.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +12,7 @@ use crate::world::{BagEvidence, Facts, FrameUse, LocalOrigin, World};
 use super::Room;
 
 impl Room<'_> {
-    /// The first values of latched transforms, where the Earth's frames lie and where maps begin, by the recordings' numbers.
+    /// The first values of latched transforms, positions of Earth-fixed frames and origins of maps, by the recordings' indices.
     pub(super) fn compared(&self, world: &World) -> Vec<(usize, Facts)> {
         let settings = &self.setup.governed.at(self.setup.governed.of(world)).choice.settings;
         let origins = origins::of_bags(&Estimates::new(world, settings), &settings.limits::<Limits>());

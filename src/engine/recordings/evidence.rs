@@ -1,4 +1,4 @@
-//! Documents of evidence beside recordings: each recording in them has its verdict too.
+//! Evidence documents together with recordings: each recording in them has its own verdict too.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::super::{Renumber, furnished, sessions};
 use super::whole::Whole;
 use super::{Room, name};
 
-/// A document of evidence: recordings that were read elsewhere.
+/// An evidence document: recordings that were read elsewhere.
 pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let Saved {
         worlds,
@@ -41,7 +41,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let drives = &sessions.drives;
     for recordings in drives {
         let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
-        // What came out of a recording has its path.
+        // A source extracted from a recording has the recording's path.
         let others = worlds
             .iter()
             .flat_map(|world| &world.bags)

@@ -1,4 +1,4 @@
-//! What is kept to compare recordings: of each value of a latched transform, the two earliest recordings that have it. A thousand drives of
+//! Data kept to compare recordings: for each value of a latched transform, the two earliest recordings that have it. A thousand drives of
 //! one robot have the same ones.
 
 use std::collections::BTreeMap;
@@ -12,22 +12,22 @@ use crate::world::bag::TfEdge;
 /// A recording by its start, nanoseconds.
 type Start = (Option<i64>, SourceId);
 
-/// The values that are kept, each with the recordings that it is kept of.
+/// The values that are kept, each with the recordings for which it is kept.
 pub(super) struct Latched<'a> {
     inputs: &'a Inputs,
     kept: BTreeMap<Key<'a>, Vec<Start>>,
-    /// How many drives there are in each folder, where a platform is a folder: no file says what belongs together.
+    /// The number of drives in each folder, if platforms are folders because no file says what belongs together.
     drives: Option<BTreeMap<Folder<'a>, usize>>,
 }
 
-/// The argument that it came from, and the folder.
+/// The command-line argument and the folder.
 type Folder<'a> = (usize, &'a Path);
 
-/// What is one platform: the files that belong to it, or the folder where there are none; the edge, and the bits of its value.
+/// The platform (the files that belong to it, or the folder if there are none), the edge, and the bits of its value.
 type Key<'a> = (usize, Vec<SourceId>, Option<&'a Path>, [String; 3], Vec<u64>);
 
 impl<'a> Latched<'a> {
-    /// Nothing is kept yet of these drives. `are_files`: whether anything else than recordings was read.
+    /// For these drives, with nothing kept yet. `are_files`: whether files other than recordings were read.
     pub(super) fn of(inputs: &'a Inputs, drives: &[Vec<usize>], are_files: bool) -> Self {
         let mut latched = Self {
             inputs,
@@ -49,8 +49,8 @@ impl<'a> Latched<'a> {
         Some((input.group, input.path.parent().unwrap_or(Path::new(""))))
     }
 
-    /// These recordings, judged with these files, without the latched transforms whose value is kept of two earlier ones; without all,
-    /// where there are no others to compare them with.
+    /// Removes from these recordings, judged with these files, the latched transforms whose value is kept for two earlier ones; all of them
+    /// if there are no other recordings to compare with.
     pub(super) fn new_of(&mut self, files: &[SourceId], mut left: Vec<(usize, Facts)>) -> Vec<(usize, Facts)> {
         for (recording, facts) in &mut left {
             let Some((group, folder)) = self.folder(*recording) else {

@@ -1,7 +1,7 @@
 //! Several recordings in one run: each is judged with everything that belongs to its platform but without the others, and has a
-//! verdict of its own, the same as if it had been checked alone. What compares recordings is asked once more for all together.
+//! verdict of its own, the same as if it had been checked alone. Rules that compare recordings run once more for all together.
 //!
-//! Owns what is kept of a recording when it has been judged, so that a run needs memory for a few of them at a time.
+//! Owns what is kept of a judged recording, so that a run needs memory for a few of them at a time.
 
 mod compared;
 mod evidence;
@@ -30,7 +30,7 @@ use super::{
 use latched::Latched;
 use whole::Whole;
 
-/// Several recordings, of which each has its verdict.
+/// Several recordings, each with its verdict.
 pub(super) fn check(
     setup: &Setup,
     inputs: &Inputs,
@@ -61,7 +61,7 @@ pub(super) fn check(
     let mut covered = BTreeSet::new();
     let mut left = Vec::new();
     let mut latched = Latched::of(inputs, drives, !shared.members.is_empty());
-    // As many at a time as there are cores: what is read of the others waits for nothing and fills no memory.
+    // One per core at a time: reading more of them ahead would only fill memory.
     for drives in drives.chunks(rayon::current_num_threads().max(1)) {
         for mut drive in parallel::map(drives.iter().collect(), |drive| room.judge(drive)) {
             covered.extend(drive.covered.iter().copied());
@@ -79,13 +79,12 @@ pub(super) fn check(
     Ok(whole.end(&room))
 }
 
-/// What is no recording: read once, and judged with each of them.
+/// Everything that is not a recording: read once, and judged with each recording.
 struct Shared {
-    /// Every input of the run at its number, recordings still unread; behind them what came out of the files that are none, and the
-    /// configuration.
+    /// Every input of the run at its index, recordings still unread; then the sources extracted from other files, and the configuration.
     sources: Vec<Arc<Source>>,
     members: Vec<Member>,
-    /// The platforms that the files make without any recording.
+    /// The platforms of the files without any recording.
     worlds: Vec<World>,
 }
 
@@ -96,7 +95,7 @@ impl Shared {
         let files: Vec<usize> = (0..inputs.files.len())
             .filter(|index| !recordings.contains(index))
             .collect();
-        // Files are read whole, whatever is asked of recordings.
+        // Files are read completely, regardless of how recordings are sampled.
         let plan = sampling::Plan::new(reading.setup.options.extent, &[]);
         let (read, members) = reading.members(&files, inputs.files.len(), &plan);
         let mut sources: Vec<Arc<Source>> = inputs
@@ -116,7 +115,7 @@ impl Shared {
     }
 }
 
-/// Puts sources where they belong; those that are new, at the end.
+/// Puts sources at their indices; new ones at the end.
 fn put(sources: &mut Vec<Arc<Source>>, read: impl IntoIterator<Item = Arc<Source>>) {
     for source in read {
         match sources.get_mut(source.id.0 as usize) {
@@ -126,37 +125,37 @@ fn put(sources: &mut Vec<Arc<Source>>, read: impl IntoIterator<Item = Arc<Source
     }
 }
 
-/// What is needed to judge.
+/// Context for judging.
 struct Room<'a> {
     setup: &'a Setup<'a>,
     reading: Reading<'a>,
     shared: &'a Shared,
-    /// By the numbers of the configurations.
+    /// By the indices of the configurations.
     declared: &'a [Declared],
     policy: &'a RunPolicy<'a>,
     sessions: &'a Sessions,
-    /// Verdicts of the platforms that a recording does not belong to, by their sources.
+    /// Verdicts of the platforms without the recording, by their sources.
     beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
 }
 
 /// Recordings of one drive, judged.
 struct Drive {
     recording: Recording,
-    /// The recordings, and what came out of them.
+    /// The recordings, and the sources extracted from them.
     sources: Vec<Arc<Source>>,
     worlds: Vec<World>,
     /// See [`Run::seen`].
     seen: Vec<World>,
     verdict: Verdict,
     laid: Laid,
-    /// The sources that were judged with it.
+    /// The sources judged with it.
     covered: Vec<SourceId>,
-    /// What is compared with other recordings.
+    /// Data to compare with other recordings.
     left: Vec<(usize, Facts)>,
 }
 
 impl Room<'_> {
-    /// Whether a source is no recording, and came out of none.
+    /// Whether a source is not a recording, and not extracted from one.
     fn is_file(&self, id: SourceId) -> bool {
         let source = self.shared.sources.get(id.0 as usize);
         source.is_some_and(|source| !source.kind.is_bag())
@@ -191,7 +190,7 @@ impl Room<'_> {
         }
     }
 
-    /// Says of recordings what was recorded at the same time and is judged apart.
+    /// Notes on recordings which others of the same time are judged separately.
     fn note(&self, recordings: &[usize], sources: &mut [Arc<Source>]) {
         let path = |other: usize| Some(self.shared.sources.get(other)?.path.clone());
         for number in recordings {
@@ -202,7 +201,7 @@ impl Room<'_> {
         }
     }
 
-    /// Gives worlds their sources and what the configuration declares.
+    /// Gives worlds their sources and the declarations of the configuration.
     fn furnish(&self, worlds: &mut [World], sources: &Arc<Vec<Arc<Source>>>) {
         for world in worlds {
             world.sources = Arc::clone(sources);
@@ -250,7 +249,7 @@ impl Room<'_> {
         }
     }
 
-    /// What a run of these sources alone would have come to, with this verdict.
+    /// The result of a run of these sources alone, with this verdict.
     fn recording<'s>(
         &self,
         (label, sources): (String, Vec<SourceId>),
@@ -284,7 +283,7 @@ impl Room<'_> {
         recording
     }
 
-    /// What was judged of platforms beside a recording, where something is required that may have been judged there.
+    /// Outcomes of platforms beside a recording, if a requirement may be met there.
     fn beside(&self, others: &[World]) -> Vec<Row> {
         if others.is_empty() || !self.policy.demands() {
             return Vec::new();
@@ -305,7 +304,7 @@ impl Room<'_> {
         judged.iter().flat_map(|verdict| verdict.rows.iter().cloned()).collect()
     }
 
-    /// Files that belong to the platform of no recording.
+    /// Files that do not belong to the platform of any recording.
     fn judge_rest(&self, mut worlds: Vec<World>, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
         let is_left = |id: &SourceId| !covered.contains(id);
         worlds.retain(|world| world.members.iter().any(is_left));
@@ -320,7 +319,7 @@ impl Room<'_> {
         whole.lay(verdicts, &labels, self.policy);
     }
 
-    /// What compares the recordings of a platform. Of what it says, everything is left out that was said of one of them.
+    /// Runs the rules that compare the recordings of a platform; omits what was already reported for one of them.
     fn judge_across(&self, left: Vec<Vec<(usize, Facts)>>, whole: &mut Whole) {
         let drives: Vec<Vec<usize>> = left
             .iter()
@@ -342,7 +341,7 @@ impl Room<'_> {
         whole.lay(verdicts, &labels, self.policy);
     }
 
-    /// What the rules that compare recordings say of platforms with several drives, with the numbers of what governs these and their names.
+    /// Verdicts of the rules that compare recordings on platforms with several drives, with the indices of their configurations and their names.
     fn compare(
         &self,
         worlds: &[World],
@@ -404,7 +403,7 @@ impl Room<'_> {
     }
 }
 
-/// Calls worlds by their recordings; the name of all of them.
+/// Names worlds after their recordings; returns the name of all of them.
 fn name(recordings: &[usize], worlds: &mut [World], sources: &[Arc<Source>]) -> String {
     let path = |id: usize| {
         let source = sources.get(id)?;

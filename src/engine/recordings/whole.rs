@@ -1,4 +1,4 @@
-//! The run as it grows, a recording after the other: what was found in files that all of them share is told once.
+//! The run as it grows, recording by recording: findings in files that all of them share are reported once.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) struct Whole<'a> {
     told: &'a mut dyn FnMut(&Run, &Grown),
 }
 
-/// What was found in files that are no recordings: it is the same with every recording, and told once, as of none.
+/// Findings in files other than recordings: the same with every recording, reported once and for no recording.
 #[derive(Default)]
 struct OfFiles {
     findings: BTreeSet<(String, String, String, Vec<Label>)>,
@@ -74,7 +74,7 @@ impl OfFiles {
 }
 
 impl<'a> Whole<'a> {
-    /// A run that has nothing but sources, of which `told` learns what comes to it.
+    /// A run with sources only; `told` is called with what is added to it.
     pub(super) fn new(run: Run, told: &'a mut dyn FnMut(&Run, &Grown)) -> Self {
         Self {
             run,
@@ -84,7 +84,7 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// Adds a drive, with the numbers that its sources have in the whole.
+    /// Adds a drive, with the ids of its sources in the whole run.
     pub(super) fn add(&mut self, mut drive: Drive, renumber: Renumber) {
         renumber.all(&mut drive.sources, &mut drive.verdict);
         drive.laid.renumber(|place| renumber.place(place));
@@ -100,7 +100,7 @@ impl<'a> Whole<'a> {
         self.take(verdict, drive.laid, new, Some(drive.recording));
     }
 
-    /// Lays the policy over what was judged apart from the recordings, and adds it.
+    /// Applies the policy to what was judged without recordings, and adds it.
     pub(super) fn lay(&mut self, verdicts: Vec<(usize, Verdict)>, labels: &[String], policy: &RunPolicy) {
         let (mut verdict, laid) = policy.lay(verdicts, (&self.run.sources, labels), None);
         verdict.sort();
@@ -111,7 +111,7 @@ impl<'a> Whole<'a> {
     fn take(&mut self, mut verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         self.laid.join(laid);
-        // Of rules that compare recordings it counts later what was said of one of them.
+        // Rules that compare recordings count later what was reported for one of them.
         if self.run.kept.drops_inapplicable() {
             verdict.drop_rows(|row| !row.applies() && !plan::compares(&row.rule));
         }
@@ -119,10 +119,10 @@ impl<'a> Whole<'a> {
         let number = recording.is_some().then_some(self.run.recordings.len());
         self.run.recordings.extend(recording);
         self.tell(new.clone(), rows, findings, number);
-        // What became of an acceptance is known when everything is there.
+        // The effect of an acceptance is known when everything is judged.
         if self.run.kept == KeptOutcomes::Untold && !self.laid.accepts() {
             for number in new {
-                // Descriptions that were recorded: nothing else points into them.
+                // Recorded descriptions: nothing else points into them.
                 let is_recorded = |source: &&mut Arc<Source>| matches!(source.derived, Some(Derived::Message(_)));
                 if let Some(source) = self.run.sources.get_mut(number).filter(is_recorded) {
                     Arc::make_mut(source).text = String::new();
@@ -135,7 +135,7 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// Tells what has come since there were so many outcomes and findings.
+    /// Reports what was added since these numbers of outcomes and findings.
     pub(super) fn tell(&mut self, sources: Vec<usize>, rows: usize, findings: usize, recording: Option<usize>) {
         let grown = Grown {
             sources,
@@ -146,7 +146,7 @@ impl<'a> Whole<'a> {
         (self.told)(&self.run, &grown);
     }
 
-    /// The run, with what is said when everything is there.
+    /// The complete run.
     pub(super) fn end(mut self, room: &Room) -> Run {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         room.policy.close(std::mem::take(&mut self.laid), &mut self.run);

@@ -1,6 +1,6 @@
-//! The checklist: every rule that ran, by family, and every item of it with the evidence, or with why there is none.
+//! The checklist: every rule that ran, by family, and each of its items with the evidence, or with the reason why there is none.
 //!
-//! The choice of items works by the style alone; the script adds a search.
+//! Filtering works by the style sheet alone; the script adds a search.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -21,26 +21,26 @@ use super::shown::Shown;
 use super::words::{badge, outcome, plain, rank, words};
 use super::{Page, summary};
 
-/// Items of one rule, and of all; more are only counted.
+/// Maximum number of items per rule, and in total; more are only counted.
 const MAX_OF_RULE: usize = 200;
 const MAX_ITEMS: usize = 6000;
-/// Numbers of one item.
+/// Maximum number of numbers per item.
 const MAX_MEASURED: usize = 8;
 
-/// The families, in the order of the registry, with what they are about.
+/// The families, in the order of the registry, with their topics.
 const FAMILIES: &[(&str, &str)] = &[
     ("TREE", "The frame tree"),
     ("NAME", "Names of frames"),
     ("ROT", "Rotations and transforms as written"),
-    ("AXES", "Axes, held against motion and ground"),
+    ("AXES", "Axes, compared with motion and ground"),
     ("QUAT", "Quaternions and Euler angles"),
-    ("GEO", "Places on the Earth"),
-    ("TIME", "Stamps and clocks"),
+    ("GEO", "Positions on the Earth"),
+    ("TIME", "Timestamps and clocks"),
     ("SENSOR", "Conventions of sensors and datasets"),
     ("CAMERA", "Cameras"),
     ("COV", "Covariances"),
-    ("AUTH", "Who states what"),
-    ("CROSS", "Sources against each other"),
+    ("AUTH", "Sources of transforms"),
+    ("CROSS", "Sources compared with each other"),
     ("CONFIG", "Settings of programs"),
     ("URDF", "Robot descriptions"),
     ("PREC", "Precision of numbers"),
@@ -50,14 +50,14 @@ const FAMILIES: &[(&str, &str)] = &[
 /// An item of the list.
 #[derive(Clone, Copy)]
 struct Item<'a> {
-    /// Where in the rows it stands.
+    /// Its index in the rows.
     index: usize,
     row: &'a Row,
-    /// For how many recordings it stands.
+    /// The number of recordings that it represents.
     times: usize,
 }
 
-/// The list with the choice of what is shown.
+/// The list with the filter.
 pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
     let run = page.run;
     if run.verdict.rows.is_empty() {
@@ -99,11 +99,11 @@ pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
                 @for (code, items) in strangers { (group(page, shown, drawn, (code, None), Some(items), &mut room)) }
             }))
         }
-        p class="nothing" role="status" { "No check is of this kind." }
+        p class="nothing" role="status" { "No check matches." }
     })
 }
 
-/// What could not be judged in several recordings for one reason is one item.
+/// A check that could not be evaluated in several recordings for the same reason is one item.
 fn joined(items: &mut Vec<Item>, platforms: &[String]) {
     let mut known: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut kept: Vec<Item> = Vec::with_capacity(items.len());
@@ -134,7 +134,7 @@ fn table(family: &str, title: &str, groups: &Markup) -> Markup {
     }
 }
 
-/// Which items are shown: of all outcomes, or of one.
+/// The filter: items of all outcomes, or of one.
 fn choice(page: &Page) -> Markup {
     let count = |wanted: &[Outcome]| wanted.iter().map(|one| page.run.verdict.count(*one)).sum::<usize>();
     let choices = [
@@ -169,7 +169,7 @@ fn group(
 ) -> Markup {
     let none = Vec::new();
     let mut items: Vec<Item> = items.unwrap_or(&none).clone();
-    // What went wrong is not to be among what is counted only.
+    // Failures must not be among those that are only counted.
     items.sort_by_key(|item| (rank(item.row.outcome), item.index));
     let most = MAX_OF_RULE.min(*room);
     let left = items.split_off(most.min(items.len()));
@@ -187,7 +187,7 @@ fn group(
         th scope="rowgroup" id={ "rule-" (code) } {
             strong { (code) " " (name) }
             @if let Some(rule) = rule {
-                p { span class="label" { "Looks for: " } (words(rule.summary)) }
+                p { span class="label" { "Finds: " } (words(rule.summary)) }
                 p class="small" { (facts(rule)) }
                 @if let Some(entity) = views::of(rule.view).and_then(views::View::words) {
                     p class="small" { "Views: " code { (entity) } }
@@ -195,7 +195,7 @@ fn group(
             }
         }
     };
-    // A rule with one item needs no line of its own.
+    // A rule with one item needs no separate line.
     let whole = match items.as_slice() {
         [only] if left.is_empty() => Some(*only),
         _ => None,
@@ -225,7 +225,7 @@ fn group(
                 }
                 @if !left.is_empty() {
                     tr class="more" {
-                        td colspan="3" { "… and " (plural(left.len(), "more item")) ", counted and not shown: " (counts(&left, &[])) }
+                        td colspan="3" { "… and " (plural(left.len(), "more item")) " not shown: " (counts(&left, &[])) }
                     }
                 }
             }
@@ -237,13 +237,13 @@ fn group(
 fn facts(rule: &page::Page) -> String {
     let status = match rule.status {
         Status::Stable => "stable",
-        Status::Trial => "on trial, its findings are hints;",
+        Status::Trial => "on trial (findings are hints),",
     };
     let (severity, confidence) = (rule.severity.word(), rule.confidence.word());
     format!("{severity} at worst, {confidence}; {status} since {}", rule.since)
 }
 
-/// The class of an item. What crashed is shown with what failed.
+/// The class of an item. Crashes are shown with failures.
 fn class(of: Outcome) -> &'static str {
     match of {
         Outcome::Crashed => "fail",
@@ -268,7 +268,7 @@ fn counts(items: &[Item], left: &[Item]) -> Markup {
 
 fn result(page: &Page, row: &Row) -> Markup {
     let (class, sign, word) = outcome(row.outcome);
-    // A subject that is wrong in a way that does not count is not shown as loudly as one that does.
+    // A failed subject whose findings do not count is shown less prominently.
     let findings = page.findings_of(&row.rule, &row.subject);
     let counts = findings.iter().any(|(_, one)| page.fail_on.counts(one));
     let class = if row.outcome == Outcome::Fail && !counts {

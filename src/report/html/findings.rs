@@ -1,4 +1,4 @@
-//! Findings with all that they say: message, places with their source lines, numbers, help, edits, and who accepts them.
+//! Findings in full: message, places with their source lines, numbers, help, edits, and acceptance.
 
 use std::collections::BTreeMap;
 
@@ -14,22 +14,22 @@ use super::shown::Shown;
 use super::words::{badge, plain, words};
 use super::{Page, snippet, summary};
 
-/// Places, numbers and edits of one finding; more are only counted.
+/// Maximum number of places, numbers and edits of a finding; more are only counted.
 const MAX_PLACES: usize = 12;
 const MAX_MEASURED: usize = 20;
 const MAX_EDITS: usize = 12;
 
-/// The findings that nobody accepts.
+/// The findings that are not accepted.
 pub(super) fn open(page: &Page, shown: &Shown, drawn: &Drawn) -> Markup {
     let part = part(page, shown, drawn, |finding| finding.waived.is_none());
-    part.unwrap_or_else(|| html! { p { "Nothing was found." } })
+    part.unwrap_or_else(|| html! { p { "No findings." } })
 }
 
-/// The findings that somebody accepts; they count for nothing, and stay.
+/// The accepted findings, which do not count.
 pub(super) fn waived(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
     let part = part(page, shown, drawn, |finding| finding.waived.is_some())?;
     Some(html! {
-        p class="hint" { "Somebody accepts these; they do not count. Whoever signs accepts them as well." }
+        p class="hint" { "These findings are accepted and do not count. Signing this report accepts them as well." }
         (part)
     })
 }
@@ -57,23 +57,23 @@ fn part(page: &Page, shown: &Shown, drawn: &Drawn, is_meant: impl Fn(&Finding) -
             (full(page, drawn, *number, finding))
         }
         @if !listed.is_empty() {
-            h3 { "More findings, a line each" }
+            h3 { "Further findings, one line each" }
             ul class="listed" { @for (number, finding) in listed { (line(page, *number, finding)) } }
         }
         @if count > 0 {
             p class="left-out" {
-                (plural(count, "more finding")) " are counted here and not shown: "
+                (plural(count, "more finding")) " not shown here: "
                 @for (index, ((rule, name), count)) in left.iter().enumerate() {
                     @if index > 0 { ", " }
                     (count) " of " (rule) " " (name)
                 }
-                ". The json report has all of them."
+                ". The JSON report lists all of them."
             }
         }
     })
 }
 
-/// The class and the sign of a finding: hints are no louder than notes.
+/// The class and the sign of a finding: hints look like notes.
 fn look(finding: &Finding) -> (&'static str, &'static str) {
     match finding.loudness() {
         _ if finding.waived.is_some() => ("waived", "⊘"),
@@ -114,7 +114,7 @@ fn full(page: &Page, drawn: &Drawn, number: usize, finding: &Finding) -> Markup 
             @if !finding.detail.is_empty() { p { (words(&finding.detail)) } }
             @if let Some(waived) = &finding.waived { (summary::accepted(waived)) }
             @if finding.confidence == Confidence::Hint {
-                p class="small" { "A hint: it never counts against a dataset." }
+                p class="small" { "A hint: it never fails a dataset." }
             }
             (places(page, &finding.places))
             @if !finding.measured.is_empty() { (numbers(&finding.measured)) }
@@ -190,8 +190,8 @@ fn numbers(measured: &[Measured]) -> Markup {
 
 fn edits(page: &Page, fix: &Fix) -> Markup {
     let safety = match fix.safety {
-        Safety::Safe => "safe: every reader means the same as before",
-        Safety::ChangesBehaviour => "changes how the robot behaves",
+        Safety::Safe => "safe: programs read the file as before",
+        Safety::ChangesBehaviour => "changes the behaviour of the robot",
     };
     html! {
         div class="fix" {
@@ -200,7 +200,7 @@ fn edits(page: &Page, fix: &Fix) -> Markup {
                 @for edit in fix.edits.iter().take(MAX_EDITS) {
                     li {
                         code { (plain(&page.locator.short(&edit.place))) } ": "
-                        @if edit.replacement.trim().is_empty() { "remove what is marked" }
+                        @if edit.replacement.trim().is_empty() { "remove the marked text" }
                         @else { "write " code class="edit" { (plain(&edit.replacement)) } }
                     }
                 }

@@ -1,4 +1,4 @@
-//! By which hashes the files of an input are known.
+//! The hashes of the files of an input.
 
 use maud::{Markup, html};
 
@@ -6,11 +6,11 @@ use crate::source::{FileHash, Source};
 
 use super::words::plain;
 
-/// The hash of each file, with its name where it is not that of the source.
+/// The hash of each file, with its name if it differs from that of the source.
 pub(super) fn hashes(source: &Source) -> Markup {
     let is_it = |hash: &FileHash| source.path.rsplit('/').next() == Some(&hash.name);
     let row = |hash: &FileHash| {
-        html! { @match &hash.sha256 { Some(digest) => code { (plain(digest)) }, None => "cannot be read any more" } }
+        html! { @match &hash.sha256 { Some(digest) => code { (plain(digest)) }, None => "can no longer be read" } }
     };
     match source.hashes.as_slice() {
         [] => html! { "–" },

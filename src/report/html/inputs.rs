@@ -1,4 +1,4 @@
-//! The inputs: what each was read as, how far, how much of it was examined, and by which hash it is known.
+//! The inputs: format, status, share that was read, and hash of each.
 
 use maud::{Markup, html};
 
@@ -12,11 +12,11 @@ use super::hashes::hashes;
 use super::snippet;
 use super::words::{badge, plain, words};
 
-/// Inputs that are shown; those with problems stand first.
+/// Maximum number of inputs shown; those with problems come first.
 const MAX_INPUTS: usize = 500;
-/// Problems of one input.
+/// Maximum number of problems shown per input.
 const MAX_PROBLEMS: usize = 10;
-/// Kinds of files without a reader that are named.
+/// Maximum number of kinds of skipped files that are named.
 const MAX_SKIPPED: usize = 40;
 
 pub(super) fn render(page: &Page) -> Option<Markup> {
@@ -39,7 +39,7 @@ pub(super) fn render(page: &Page) -> Option<Markup> {
         @if sources.len() > MAX_INPUTS { p class="left-out" { "… and " (plural(sources.len() - MAX_INPUTS, "more input")) } }
         @if !skipped.is_empty() {
             p {
-                span class="label" { "Passed over, no reader for them: " }
+                span class="label" { "Skipped (format not supported): " }
                 @for (index, (kind, count)) in skipped.iter().take(MAX_SKIPPED).enumerate() {
                     @if index > 0 { ", " }
                     (count) " " code { (plain(kind)) }
@@ -50,7 +50,7 @@ pub(super) fn render(page: &Page) -> Option<Markup> {
     })
 }
 
-/// What could not be read first, then what was, then what the tool itself was told.
+/// Inputs that could not be read first, then the others, then configurations.
 fn rank(source: &Source) -> u8 {
     match (source.status, source.kind) {
         (ReadStatus::Read, SourceKind::Configuration) => 2,
@@ -67,7 +67,7 @@ fn row(page: &Page, source: &Source) -> Markup {
         (ReadStatus::Partial, true) => ("warning", "!"),
         (ReadStatus::Unreadable, true) => ("fail", "✗"),
     };
-    // A text that came out of another source was examined with it.
+    // A text extracted from another source was read with it.
     let own = source.derived.is_none();
     let said = source
         .problems

@@ -1,4 +1,4 @@
-//! How the report was made, so that it can be made again: tool, command, settings, configuration.
+//! How the report was made, so that it can be reproduced: tool, command, settings, configuration.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub(super) fn render(page: &Page) -> Markup {
                         (count) " since " (version)
                         @if index + 1 == since.len() { ")" }
                     }
-                    "; each stands in the checklist with its status"
+                    "; the checklist shows the status of each"
                 }
             }
             @if !page.call.command.is_empty() {
@@ -44,7 +44,7 @@ pub(super) fn render(page: &Page) -> Markup {
     }
 }
 
-/// The command as a shell reads it.
+/// The command, quoted for a shell.
 pub(super) fn command(arguments: &[String]) -> String {
     let quoted: Vec<String> = arguments.iter().map(|argument| quoted(&plain(argument))).collect();
     quoted.join(" ")

@@ -1,8 +1,9 @@
-//! The acceptance report: one page that says what was checked, with which evidence, and what it came to, for a person who
-//! accepts or rejects a dataset and signs it.
+//! The acceptance report: one page that states what was checked, with which evidence and result, for a person who accepts or rejects
+//! a dataset and signs it.
 //!
-//! Owns the frame of the page and the order of its parts. The page loads nothing: style, script and drawings stand in it, and its
-//! policy lets nothing else run. It reads in full without the script, and has no clock: the same run of the same day makes the same bytes.
+//! Owns the frame of the page and the order of its parts. The page loads nothing: style, script and drawings are part of it, and its
+//! content security policy allows nothing else. It is complete without the script, and contains no time: the same run on the same date
+//! gives the same bytes.
 
 mod checklist;
 mod findings;
@@ -36,19 +37,19 @@ use super::tree::svg;
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
-/// Frames that are drawn: nobody finds anything in a larger tree, and a hostile file has a hundred thousand.
+/// Maximum number of frames drawn: larger trees are unreadable, and a hostile file may have a hundred thousand frames.
 const MAX_FRAMES: usize = 600;
 
-/// The widest tree, in pixels, that has a column for each depth: what a sheet of paper can show.
+/// Maximum width, in pixels, of a tree with a column for each depth: the width of a sheet of paper.
 const WIDEST: u32 = 700;
 
-/// Up to this width the tree is drawn smaller where the window is narrower; a wider one is scrolled.
+/// Up to this width the tree is scaled down in a narrower window; a wider one is scrolled.
 const FITTING: u32 = 1500;
 
-/// The highest stretch of the tree that a sheet of paper can show.
+/// Maximum height of a part of the tree on a sheet of paper.
 const SHEET: u32 = 880;
 
-/// What every part of the page needs.
+/// Data for every part of the page.
 struct Page<'a> {
     run: &'a Run,
     fail_on: FailOn,
@@ -90,7 +91,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let drawn = plots::Drawn::new(&page, &shown);
     let parts = [
         ("decision", "Decision", Some(summary::decision(&page))),
-        ("required", "Required, and not met", summary::required(&page)),
+        ("required", "Requirements not met", summary::required(&page)),
         ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
         ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),
@@ -137,7 +138,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
                 footer {
                     p {
                         "Made by frames-lint " (env!("CARGO_PKG_VERSION"))
-                        ". This file is complete in itself: it loads nothing and sends nothing."
+                        ". This file is self-contained: it loads nothing and sends nothing."
                     }
                 }
                 script { (PreEscaped(SCRIPT)) }
@@ -147,7 +148,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     whole.into_string() + "\n"
 }
 
-/// What may run and be loaded: the style and the script of this page, and nothing else.
+/// The content security policy: only the style and the script of this page.
 fn policy() -> String {
     let hash = |text: &str| STANDARD.encode(Sha256::digest(text.as_bytes()));
     format!(
@@ -157,14 +158,14 @@ fn policy() -> String {
     )
 }
 
-/// The frames with who states them.
+/// The frame tree, with the source of each transform.
 fn tree(run: &Run) -> Option<Markup> {
     let frames: usize = run.worlds.iter().map(|world| world.graph().frames.len()).sum();
     let too_many = |frames: usize| {
         html! {
             p {
-                (plural(frames, "frame")) " are too many to draw here. "
-                code { "frames-lint tree --format svg" } " draws them to a file of their own."
+                (plural(frames, "frame")) ": too many to draw here. "
+                code { "frames-lint tree --format svg" } " draws them into a separate file."
             }
         }
     };
@@ -184,15 +185,15 @@ fn tree(run: &Run) -> Option<Markup> {
             p { "This is the tree of " code { (words::plain(&first.label)) } ", the first recording." }
         }
         p class="hint" {
-            "Parents stand left of their children or above them. Each box has the pose in its parent and the file or topic that states it \
-             first; who else states it is in the tooltip."
+            "Parents are left of their children or above them. Each box shows the pose in the parent frame and the file or topic that states it \
+             first; further sources are in the tooltip."
         }
         div class="wide" role="region" aria-label="Frame tree" tabindex="0" {
             @for (index, (from, to)) in drawing.sheets(SHEET).into_iter().enumerate() {
                 svg class={ "tree" @if width <= FITTING { " fit" } } role="img" aria-label={ "Frame tree, " (plural(drawing.frames, "frame")) }
                     aria-hidden=[(index > 0).then_some("true")] width=(width) height=(to - from)
                     viewBox={ "0 " (from) " " (width) " " (to - from) } {
-                    // The first sheet has the whole drawing, and each shows its own stretch.
+                    // The first sheet contains the whole drawing, and each shows its own part.
                     @if index == 0 { g id="tree-drawing" class="frames" { (PreEscaped(&drawing.body)) } } @else { (PreEscaped("<use href=\"#tree-drawing\"/>")) }
                 }
             }

@@ -1,6 +1,6 @@
-//! Plots as drawings: points and lines over two axes, with their names and limits beneath.
+//! Plots as drawings: points and lines over two axes, with a legend and limits below.
 //!
-//! Owns where each plot stands (with its finding, or among the others) and how data become a drawing. Colours are the style's.
+//! Decides where each plot goes (to its finding, or to the others) and draws the data. Colours are in the style sheet.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,26 +16,26 @@ use super::scale::{Scale, place, range};
 use super::shown::Shown;
 use super::words::{badge, outcome, plain, rank, words};
 
-/// Plots of one report; more are only counted.
+/// Maximum number of plots in a report; more are only counted.
 const MAX_PLOTS: usize = 80;
 
-/// The area of the data where both axes are free, and the room about it: left for numbers, beneath for numbers and words.
+/// Size of the data area if the axes are scaled independently, and the margins around it: left for numbers, below for numbers and words.
 const WIDTH: f64 = 440.0;
 const HEIGHT: f64 = 220.0;
-/// The largest area where a step is as long in both directions, and the least length of a side.
+/// Maximum size of the data area if both axes have the same scale, and the minimum length of a side.
 const EQUAL: (f64, f64) = (440.0, 360.0);
 const LEAST: f64 = 240.0;
 const LEFT: f64 = 74.0;
-/// Room at the left for the name of the axis, and for each letter of its longest number.
+/// Margin at the left for the name of the axis, and for each character of its longest number.
 const OF_NAME: f64 = 32.0;
 const OF_LETTER: f64 = 10.0;
 const TOP: f64 = 12.0;
 const RIGHT: f64 = 18.0;
 const BENEATH: f64 = 50.0;
 
-/// A limit that would flatten what is measured by more than this is told, and not drawn.
+/// A limit that would flatten the data by more than this factor is stated, but not drawn.
 const FLATTEST: f64 = 200.0;
-/// Looks that series can have.
+/// Number of styles of series.
 const LOOKS: usize = 4;
 
 /// The plots of a run as they are drawn.
@@ -47,7 +47,7 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    /// Draws what there is room for: what failed first.
+    /// Draws as many as allowed, those of failed checks first.
     pub(super) fn new(page: &Page, shown: &Shown) -> Self {
         let run = page.run;
         let mut drawn = Self {
@@ -89,12 +89,12 @@ impl Drawn {
         self.ids.get(&row).map_or(&[], Vec::as_slice)
     }
 
-    /// The plots that stand with a finding.
+    /// The plots of a finding.
     pub(super) fn of_finding(&self, number: usize) -> Markup {
         html! { @for figure in self.of_finding.get(&number).into_iter().flatten() { (figure) } }
     }
 
-    /// Those that belong to no finding.
+    /// Those without a finding.
     pub(super) fn others(&self) -> Option<Markup> {
         if self.others.is_empty() && self.left == 0 {
             return None;
@@ -102,7 +102,7 @@ impl Drawn {
         let with_findings: usize = self.of_finding.values().map(Vec::len).sum();
         Some(html! {
             @if with_findings > 0 {
-                p class="hint" { "Of findings: " (plural(with_findings, "plot")) ", beside them above." }
+                p class="hint" { (plural(with_findings, "plot")) " of findings: see the findings above." }
             }
             div class="plots" { @for figure in &self.others { (figure) } }
             @if self.left > 0 { p class="left-out" { "… and " (plural(self.left, "more plot")) ", not drawn." } }
@@ -133,13 +133,13 @@ fn figure(plot: &Plot, row: &Row, id: &str, picture: &Picture) -> Markup {
     }
 }
 
-/// A drawing, and what stands beneath it: the class of the look, the name, and more words.
+/// A drawing, and its legend: the class of the style, the name, and further words.
 pub(super) struct Picture {
     pub(super) svg: String,
     pub(super) legend: Vec<(String, String, String)>,
 }
 
-/// Draws a plot; `None` where it has no point that can be drawn.
+/// Draws a plot; `None` if it has no point that can be drawn.
 pub(super) fn draw(plot: &Plot, id: &str) -> Option<Picture> {
     let points = || plot.series.iter().flat_map(|series| &series.points);
     let (x0, x1) = range(points().map(|point| point[0]))?;
@@ -152,7 +152,7 @@ pub(super) fn draw(plot: &Plot, id: &str) -> Option<Picture> {
         (WIDTH, HEIGHT)
     };
     let ((x0, x1), (y0, y1)) = if plot.equal {
-        // The side that was too short gets more of the plane, and no other scale.
+        // The side that was too short shows a larger range, at the same scale.
         let of_each = ((x1 - x0) / width).max((y1 - y0) / height);
         (about((x0, x1), of_each * width), about((y0, y1), of_each * height))
     } else {
@@ -198,7 +198,7 @@ pub(super) fn draw(plot: &Plot, id: &str) -> Option<Picture> {
     })
 }
 
-/// The range of y with the limits that can be drawn without making everything flat.
+/// The range of y, including the limits that do not flatten the data.
 fn with_limits(plot: &Plot, (low, high): (f64, f64)) -> Option<(f64, f64)> {
     let values = || {
         plot.series
@@ -221,7 +221,7 @@ fn with_limits(plot: &Plot, (low, high): (f64, f64)) -> Option<(f64, f64)> {
     range(values().chain(limits))
 }
 
-/// A range of this length about the middle of another.
+/// A range of this length around the middle of another.
 fn about((from, to): (f64, f64), length: f64) -> (f64, f64) {
     let middle = f64::midpoint(from, to);
     (middle - length / 2.0, middle + length / 2.0)
@@ -248,7 +248,7 @@ fn unit(axis: &Axis) -> String {
     }
 }
 
-/// How many numbers stand along a side.
+/// The number of ticks along a side.
 fn most(length: f64, each: f64) -> usize {
     // Lengths are at most some hundred.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -293,7 +293,7 @@ fn axes(plot: &Plot, x: &Scale, y: &Scale, body: &mut String) {
     body.push_str(&named.into_string());
 }
 
-/// Draws limits and series, and says what they are.
+/// Draws limits and series, and their legend.
 fn data(plot: &Plot, x: &Scale, y: &Scale, id: &str, body: &mut String) -> Vec<(String, String, String)> {
     let mut legend: Vec<(String, String, String)> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
@@ -312,7 +312,7 @@ fn data(plot: &Plot, x: &Scale, y: &Scale, id: &str, body: &mut String) -> Vec<(
         let mut last = None;
         for point in &series.points {
             let at = (place(x.at(point[0])), place(y.at(point[1])));
-            // Hundreds of points fall on one place of the drawing.
+            // Hundreds of points may coincide in the drawing.
             if last.as_ref() == Some(&at) {
                 continue;
             }
@@ -335,7 +335,7 @@ fn data(plot: &Plot, x: &Scale, y: &Scale, id: &str, body: &mut String) -> Vec<(
             let (at, left, right) = (place(y.at(limit.at)), place(x.start), place(x.end));
             let _ = write!(body, "<path class=\"limit\" d=\"M{left} {at}H{right}\"/>");
         }
-        let beyond = if is_drawn { "" } else { " (outside of the picture)" };
+        let beyond = if is_drawn { "" } else { " (outside of the plot)" };
         let words = format!(": {}{}{beyond}", number(limit.at, 4), unit(&plot.y));
         legend.push(("limit".to_owned(), limit.label.clone(), words));
     }

@@ -1,30 +1,30 @@
-//! From numbers to places in a drawing: ranges that hold what is drawn, steps that people count in, and their spelling.
+//! Scales of drawings: ranges of the data, round tick values, and their spelling.
 //!
-//! Knows nothing of markup.
+//! Independent of markup.
 
 use super::super::text::trimmed;
 
-/// Steps of angles: people think in quarters and eighths of a turn.
+/// Tick steps of angles: quarters and eighths of a turn.
 const OF_ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
 
-/// A range of numbers along a stretch of the drawing.
+/// A range of numbers along a length of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     /// The numbers at its ends.
     pub(super) from: f64,
     pub(super) to: f64,
-    /// The places of its ends.
+    /// The positions of its ends.
     pub(super) start: f64,
     pub(super) end: f64,
 }
 
 impl Scale {
-    /// Where a number is.
+    /// The position of a number.
     pub(super) fn at(&self, value: f64) -> f64 {
         self.start + (value - self.from) / (self.to - self.from) * (self.end - self.start)
     }
 
-    /// Numbers to write beside it, about `most` at most and three at least, and how they are spelled.
+    /// Tick values, about `most` at most and three at least, with their spelling.
     pub(super) fn ticks(&self, unit: &str, most: usize) -> Vec<(f64, String)> {
         let rough = (self.to - self.from) / most.max(1) as f64;
         let mut step = next_step(rough, unit);
@@ -50,7 +50,7 @@ impl Scale {
     }
 }
 
-/// The next step that people count in.
+/// The next round step.
 fn next_step(rough: f64, unit: &str) -> f64 {
     if unit == "deg" && (1.0..=360.0).contains(&rough) {
         return OF_ANGLES.iter().copied().find(|step| *step >= rough).unwrap_or(rough);
@@ -64,7 +64,7 @@ fn next_step(rough: f64, unit: &str) -> f64 {
         .unwrap_or(rough)
 }
 
-/// The range of values with some room about it; about a single value, of a size that suits it.
+/// The range of values with a margin; around a single value, a range of suitable size.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let mut bounds: Option<(f64, f64)> = None;
     for value in values.filter(|value| value.is_finite()) {
@@ -73,7 +73,7 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
         *high = high.max(value);
     }
     let (low, high) = bounds?;
-    // Beyond this even the differences of numbers are no numbers.
+    // Beyond this, differences of numbers overflow.
     if low.abs().max(high.abs()) > 1e300 {
         return None;
     }
@@ -86,7 +86,7 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     Some((low - room, high + room))
 }
 
-/// A coordinate as it is written: tenths suffice.
+/// A coordinate with one decimal.
 pub(super) fn place(value: f64) -> String {
     trimmed(&format!("{value:.1}"))
 }

@@ -1,4 +1,4 @@
-// The page reads in full without this: it adds a search, opens the place that a link leads to, and prints every check.
+// The page is complete without this script: it adds a search, opens the target of a link, and prints every check.
 (function () {
   "use strict";
   var search = document.getElementById("search");
@@ -22,7 +22,7 @@
     });
     families();
   }
-  // A link may lead to a check that is not shown just now.
+  // A link may lead to a check that is currently hidden.
   function follow() {
     var target = location.hash.length > 1 && document.getElementById(location.hash.slice(1));
     if (target && target.closest("#checklist") && target.getClientRects().length === 0) {

@@ -1,17 +1,17 @@
-//! Which findings stand on the page.
+//! Which findings are on the page.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::run::Run;
 
-/// Findings shown in full.
+/// Maximum number of findings shown in full.
 const FULL: usize = 150;
-/// So many of each rule are shown in full, however many of other rules stand before them.
+/// Number of findings of each rule shown in full, regardless of the findings of other rules before them.
 const FULL_PER_RULE: usize = 3;
-/// Findings shown on a line each besides.
+/// Maximum number of further findings shown on a line each.
 const LISTED: usize = 500;
 
-/// Which findings stand on the page, by their number, so that nothing links to what is not there.
+/// Which findings are on the page, by their index, so that every link has a target.
 pub(super) struct Shown {
     full: BTreeSet<usize>,
     listed: BTreeSet<usize>,

@@ -1,4 +1,4 @@
-//! Lines of a source with what a finding points at marked, where the text is at hand.
+//! Lines of a source with the place of a finding marked, if the text is available.
 
 use maud::{Markup, html};
 
@@ -7,13 +7,13 @@ use crate::source::{LineColumn, Place};
 use super::super::place::Locator;
 use super::words::plain;
 
-/// Lines before and behind the marked one.
+/// Lines before and after the marked one.
 const AROUND: usize = 1;
-/// Characters of a line that are shown, about the mark where the line is longer (a whole JSON file on one line).
+/// Maximum number of characters of a line; of a longer one (a whole JSON file on one line), those around the mark.
 const LONGEST: usize = 200;
 /// Characters before the mark in a longer line.
 const BEFORE: usize = 40;
-/// Characters that are marked.
+/// Maximum number of marked characters.
 const LONGEST_MARK: usize = 120;
 
 /// A line of a text, in three parts.
@@ -24,7 +24,7 @@ struct Line<'t> {
     after: String,
 }
 
-/// The lines about a place; `None` where it is in no text.
+/// The lines around a place; `None` if it is not in a text.
 pub(super) fn render(place: &Place, locator: &Locator) -> Option<Markup> {
     let span = place.span()?;
     let text = locator.source(place.source)?.text.as_str();
@@ -71,7 +71,7 @@ pub(super) fn render(place: &Place, locator: &Locator) -> Option<Markup> {
     })
 }
 
-/// A line with the bytes from `start` to `end` marked, cut where it is too long.
+/// A line with the bytes from `start` to `end` marked, cut if it is too long.
 fn cut(number: usize, whole: &str, start: usize, end: usize) -> Line<'_> {
     let before = whole.get(..start).unwrap_or_default();
     let marked = whole.get(start..end).unwrap_or_default();

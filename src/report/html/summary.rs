@@ -1,5 +1,5 @@
-//! The first page: the verdict in words with its counts, of what, when and by how much, and where the person who decides signs.
-//! Behind it what was required and not judged, and the recordings.
+//! The first page: the verdict with its counts, the facts of the run, and the fields for the signature. Then requirements that are not met,
+//! and the recordings.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -17,14 +17,14 @@ use super::Page;
 use super::hashes::hashes;
 use super::words::{badge, plain, words};
 
-/// Inputs that the head names.
+/// Maximum number of inputs named in the head.
 const NAMED: usize = 4;
-/// Reasons of one recording.
+/// Maximum number of reasons per recording.
 const REASONS: usize = 5;
-/// Required rules that are shown.
+/// Maximum number of required rules shown.
 const MAX_UNMET: usize = 200;
 
-/// What the page is called.
+/// The title of the page.
 pub(super) fn title(page: &Page) -> String {
     let (_, _, word) = signed(page.run.summary(page.fail_on).verdict);
     let name = given(page).next().map_or_else(String::new, |input| {
@@ -35,7 +35,7 @@ pub(super) fn title(page: &Page) -> String {
     format!("{word}{name} – frames-lint acceptance report")
 }
 
-/// Files that were given, without those of the tool itself and what came out of others.
+/// The given files, without configurations and extracted texts.
 fn given<'a>(page: &Page<'a>) -> impl Iterator<Item = &'a Source> {
     let is_input = |source: &&Source| source.derived.is_none() && source.kind != SourceKind::Configuration;
     let mut known = BTreeSet::new();
@@ -47,7 +47,7 @@ fn given<'a>(page: &Page<'a>) -> impl Iterator<Item = &'a Source> {
         .filter(move |source| known.insert(&source.path))
 }
 
-/// The verdict, the counts, and what they are of.
+/// The verdict, the counts and the facts.
 pub(super) fn header(page: &Page) -> Markup {
     let run = page.run;
     let summary = run.summary(page.fail_on);
@@ -64,7 +64,7 @@ pub(super) fn header(page: &Page) -> Markup {
         ("waived", summary.waived, "waived"),
         ("crashed", summary.crashed, "crashed"),
     ];
-    // What there is nothing of need not be looked at, but for faults and passes.
+    // Counts of zero are omitted, except for faults and passes.
     let is_shown = |count: usize, name: &str| count > 0 || !["hints", "waived", "crashed"].contains(&name);
     html! {
         header class={ "verdict " (class) } {
@@ -86,7 +86,7 @@ pub(super) fn header(page: &Page) -> Markup {
     }
 }
 
-/// What the verdict is of: for whoever signs it.
+/// What the verdict is about, for the person who signs it.
 fn facts(page: &Page) -> Vec<(&'static str, Markup)> {
     let run = page.run;
     let summary = run.summary(page.fail_on);
@@ -100,23 +100,23 @@ fn facts(page: &Page) -> Vec<(&'static str, Markup)> {
         @if count == 0 { "none" }
     };
     let made = html! {
-        (summary.judged) " of " (summary.applicable) " that apply"
+        (summary.judged) " of " (summary.applicable) " applicable"
         @if summary.applicable > 0 { (format!(" ({:.1} %)", summary.judged as f64 / summary.applicable as f64 * 100.0)) }
     };
     let mut facts = vec![("Platform", platform(page)), ("Inputs", inputs)];
     if let Some(day) = &page.call.day {
-        facts.insert(0, ("Day of the run", html! { (day) " (UTC)" }));
+        facts.insert(0, ("Date of the run", html! { (day) " (UTC)" }));
     }
     if let Some(examined) = examined(page) {
         let parts = examined_words(&examined).join(", ");
         facts.push(("Examined", html! { (parts) }));
     }
-    facts.push(("Checks made", made));
+    facts.push(("Checks evaluated", made));
     facts.push(("Configuration", configuration(page)));
     facts
 }
 
-/// What the robots are called, or where the files lie.
+/// The names of the robots, or the folder of the files.
 fn platform(page: &Page) -> Markup {
     let robots = page.run.worlds.iter().flat_map(|world| &world.robots);
     let robots: BTreeSet<&str> = robots.map(|robot| robot.name.value.as_str()).collect();
@@ -133,7 +133,7 @@ fn platform(page: &Page) -> Markup {
     }
 }
 
-/// How much of all inputs was examined; messages where each recording says how many it has.
+/// How much of all inputs was read; messages if every recording states its number of messages.
 fn examined(page: &Page) -> Option<Examined> {
     let inputs = page.run.sources.iter().filter(|source| source.derived.is_none());
     let parts = inputs
@@ -161,7 +161,7 @@ pub(super) fn configuration(page: &Page) -> Markup {
     let is_one = |source: &&Source| source.kind == SourceKind::Configuration;
     let configurations: Vec<&Source> = run.sources.iter().map(AsRef::as_ref).filter(is_one).collect();
     html! {
-        @if configurations.is_empty() { "none: the limits are those of the rules' pages" }
+        @if configurations.is_empty() { "none: default limits of the rules" }
         @else {
             ul class="bare" {
                 @for source in configurations.iter().take(NAMED) {
@@ -173,7 +173,7 @@ pub(super) fn configuration(page: &Page) -> Markup {
     }
 }
 
-/// The verdict of each recording, where there are several.
+/// The verdict of each recording, if there are several.
 pub(super) fn recordings(page: &Page) -> Option<Markup> {
     let recordings = &page.run.recordings;
     if recordings.is_empty() {
@@ -191,8 +191,8 @@ pub(super) fn recordings(page: &Page) -> Option<Markup> {
     });
     Some(html! {
         p class="hint" {
-            "The worst stands first. Each recording was judged with the files that belong to its platform, and without the other \
-             recordings. What was found in those files counts for each of them, and stands once below."
+            "The worst comes first. Each recording was checked with the files of its platform, without the other \
+             recordings. Findings in those files count for each recording, and are listed once below."
         }
         table class="cards" {
             thead { tr { @for name in OF_RECORDING { th scope="col" { (name) } } } }
@@ -217,7 +217,7 @@ fn recording_row(recording: &Recording) -> Markup {
     let (class, sign, word) = signed(summary.verdict);
     let [_, _, errors, warnings, passed, not_evaluated, _] = OF_RECORDING;
     let (reasons, more) = recording.reasons.split_at(recording.reasons.len().min(REASONS));
-    // What decides is among the reasons, but for what could not be looked at.
+    // The reason of the verdict is one of the reasons, except for what could not be read.
     let is_among = |because: &&String| reasons.iter().any(|(_, reason)| reason == *because);
     let because = recording.because.as_ref().filter(|because| !is_among(because));
     html! {
@@ -235,7 +235,7 @@ fn recording_row(recording: &Recording) -> Markup {
                         @let (class, sign) = if *severity == Severity::Error { ("fail", "✗") } else { ("warning", "!") };
                         li { (badge(class, sign, severity.word())) " " (words(reason)) }
                     }
-                    @if !more.is_empty() { li { "and of " (plural(more.len(), "more rule")) } }
+                    @if !more.is_empty() { li { "and " (plural(more.len(), "more rule")) } }
                 }
             }
         }
@@ -251,16 +251,16 @@ fn signed(verdict: VerdictWord) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// Requirements that are not met: the dataset may not be accepted by what nobody looked at.
+/// Requirements that are not met: unchecked properties must not be accepted unnoticed.
 pub(super) fn required(page: &Page) -> Option<Markup> {
     let unmet = &page.run.unmet;
     if unmet.is_empty() {
         return None;
     }
     Some(html! {
-        p class="hint" { "These checks are required by the configuration. Nothing is known of them until they have been made." }
+        p class="hint" { "The configuration requires these checks, but they could not be evaluated." }
         table class="cards" {
-            thead { tr { th scope="col" { "Check" } th scope="col" { "Why it was not made" } th scope="col" { "What to do" } } }
+            thead { tr { th scope="col" { "Check" } th scope="col" { "Why it was not evaluated" } th scope="col" { "What to do" } } }
             tbody { @for unmet in unmet.iter().take(MAX_UNMET) { (row(unmet)) } }
         }
         @if unmet.len() > MAX_UNMET { p { "… and " (plural(unmet.len() - MAX_UNMET, "more check")) } }
@@ -276,17 +276,17 @@ fn row(unmet: &Unmet) -> Markup {
                 @if let Some(subject) = &unmet.subject { " of " code { (plain(subject)) } }
                 p class="small" { "required in " (plain(&unmet.origin)) }
             }
-            td data-name="Why it was not made" { ul class="bare" { @for why in unmet.reasons() { li { (words(&why)) } } } }
+            td data-name="Why it was not evaluated" { ul class="bare" { @for why in unmet.reasons() { li { (words(&why)) } } } }
             td data-name="What to do" {
                 @if let Some(waived) = &unmet.waived { (accepted(waived)) }
                 @else if let Some(record) = &unmet.record { (words(record)) }
-                @else { "Add what is missing and check again." }
+                @else { "Add the missing input and check again." }
             }
         }
     }
 }
 
-/// That somebody accepts something: why, who, until when, and where that stands.
+/// An acceptance: why, by whom, until when, and where it is declared.
 pub(super) fn accepted(waived: &Waived) -> Markup {
     html! {
         p class="accepted" {
@@ -298,15 +298,15 @@ pub(super) fn accepted(waived: &Waived) -> Markup {
     }
 }
 
-/// Where the person who decides signs.
+/// The fields for the signature.
 pub(super) fn decision(page: &Page) -> Markup {
     let summary = page.run.summary(page.fail_on);
     let advice = match summary.verdict {
-        VerdictWord::Clean => "Every check that counts passed.",
+        VerdictWord::Clean => "No finding counts.",
         VerdictWord::Findings => {
-            "Findings count against this dataset: fix them or accept each with a reason before it is used."
+            "Findings count against this dataset: fix each, or accept it with a reason, before the data are used."
         }
-        VerdictWord::Incomplete => "Something that had to be looked at was not: the result is no pass.",
+        VerdictWord::Incomplete => "Required inputs or checks are missing: this is not a pass.",
     };
     html! {
         p { (advice) }

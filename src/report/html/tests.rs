@@ -69,7 +69,7 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
     assert!(all("#required td").contains("record /robot_description"));
     assert!(all("#inputs .problem").contains("the list is never closed"));
     assert!(all("#inputs .problem").contains("What to do: close it with ]"));
-    assert!(all("#findings .finding").contains("A hint: it never counts"));
+    assert!(all("#findings .finding").contains("A hint: it never fails"));
     // What is not finite is no reason to stop.
     assert!(text.contains("NaN deg"));
     assert_eq!(document.texts("h2").len(), 7, "{:?}", document.texts("h2"));
@@ -115,19 +115,19 @@ fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
     let facts = document.texts("header .facts dd");
     let names = document.texts("header .facts dt");
     let expected = [
-        "Day of the run",
+        "Date of the run",
         "Platform",
         "Inputs",
         "Examined",
-        "Checks made",
+        "Checks evaluated",
         "Configuration",
     ];
     assert_eq!(names, expected);
     assert_eq!(facts[0], "2027-01-31 (UTC)");
     assert!(facts[3].ends_with("15 of 45 messages (33.3 %)"), "{}", facts[3]);
-    assert_eq!(facts[4], "1 of 2 that apply (50.0 %)");
+    assert_eq!(facts[4], "1 of 2 applicable (50.0 %)");
     assert!(facts[5].contains("frames-lint.yaml – SHA-256 dddd"), "{}", facts[5]);
-    // It is signed where that stands, before everything else.
+    // The signature comes there, before everything else.
     assert_eq!(document.texts("h2")[0], "Decision");
     // Each file has its own hash, with its name where the source is called otherwise.
     assert_eq!(
@@ -136,7 +136,7 @@ fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
     );
     assert_eq!(document.texts("#inputs .files dd")[2], "c".repeat(64));
     assert!(document.texts("#inputs .hash").contains(&"e".repeat(64)));
-    // Of a recording without an index nobody knows how many messages it has.
+    // The number of messages of a recording without an index is unknown.
     std::sync::Arc::make_mut(&mut run.sources[other.0 as usize])
         .examined
         .messages_total = None;
@@ -213,7 +213,7 @@ fn an_empty_run_is_a_page_too() {
     let (_, document) = page(&Run::default());
     assert!(document.texts("h1")[0].contains("Incomplete"));
     assert!(document.texts(".ending")[0].contains("Nothing was checked"));
-    assert_eq!(document.texts("#findings p"), ["Nothing was found."]);
+    assert_eq!(document.texts("#findings p"), ["No findings."]);
 }
 
 #[test]
@@ -340,12 +340,7 @@ fn points_are_drawn_where_they_belong() {
         .collect();
     assert_eq!(
         legend,
-        [
-            "places",
-            "way",
-            "most: 10 m",
-            "far: 10000000 m (outside of the picture)"
-        ]
+        ["places", "way", "most: 10 m", "far: 10000000 m (outside of the plot)"]
     );
     assert!(drawn.svg.contains("east: from 0 to 10 m."));
 }

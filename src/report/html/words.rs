@@ -1,5 +1,5 @@
-//! Texts of files in a page: cleaned, cut, and with what stands between backticks as code. Everything that is not ours comes
-//! through here or through `maud`, which escapes what it is given.
+//! Texts of files in a page: cleaned, cut, and with text between backticks as code. Everything from inputs passes through here or
+//! through `maud`, which escapes it.
 
 use std::fmt::Write;
 
@@ -9,17 +9,17 @@ use crate::verdict::Outcome;
 
 use super::super::text::clean;
 
-/// Characters of one text that are shown: a hostile file may have a name of a megabyte.
+/// Maximum number of characters of a text: a hostile file may have a name of a megabyte.
 const LONGEST: usize = 1500;
 
-/// A text as it may stand in a page: control characters spelled out, cut where it is too long.
+/// A text for a page: control characters escaped, cut if it is too long.
 pub(super) fn plain(text: &str) -> String {
     let mut shown: String = text.chars().take(LONGEST).collect();
     let count = text.chars().count();
     if count > LONGEST {
         let _ = write!(shown, "… ({count} characters)");
     }
-    // What HTML knows as no characters at all.
+    // Code points that are not characters in HTML.
     let is_none = |c: char| matches!(c, '\u{fdd0}'..='\u{fdef}') || u32::from(c) & 0xfffe == 0xfffe;
     clean(&shown).replace(is_none, "\u{fffd}")
 }
@@ -28,7 +28,7 @@ pub(super) fn plain(text: &str) -> String {
 pub(super) fn words(text: &str) -> Markup {
     let text = plain(text);
     let parts: Vec<&str> = text.split('`').collect();
-    // A backtick without another one opens nothing.
+    // An unpaired backtick opens nothing.
     let closed = if parts.len().is_multiple_of(2) {
         parts.len() - 1
     } else {
@@ -43,7 +43,7 @@ pub(super) fn words(text: &str) -> Markup {
     }
 }
 
-/// What became of a check: the class, the sign and the word. The sign is for the eye, and never alone.
+/// The outcome of a check: class, sign and word. The sign never appears alone.
 pub(super) fn outcome(outcome: Outcome) -> (&'static str, &'static str, &'static str) {
     match outcome {
         Outcome::Pass => ("pass", "✓", "passed"),
@@ -55,7 +55,7 @@ pub(super) fn outcome(outcome: Outcome) -> (&'static str, &'static str, &'static
     }
 }
 
-/// What went wrong stands first.
+/// Failures come first.
 pub(super) fn rank(outcome: Outcome) -> usize {
     match outcome {
         Outcome::Crashed => 0,

@@ -1,5 +1,5 @@
-//! How the window of the viewer is laid out: space at the left, and what is plotted, the log and the page at the right; what is
-//! shown at first, where one looks from, and which stretch of time plays.
+//! The layout of the viewer's window: space at the left; plots, log and page at the right; which views are shown first, the camera
+//! position, and the time range that plays.
 
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
@@ -19,11 +19,11 @@ use crate::view::scene::{Kind, Scene, View};
 
 use super::{APPLICATION, TIMELINE, entity};
 
-/// The viewer takes no moment to open at, but a stretch that plays in a loop: one from the worst finding on, too short for things to
+/// The viewer cannot open at a time, only at a time range that plays in a loop: one from the worst finding on, too short for things to
 /// move away, nanoseconds.
 const LOOP_NS: i64 = 100_000_000;
 
-/// Sends the layout of a scene to where its recording goes. `id` tells it from the layouts of other recordings.
+/// Sends the layout of a scene to the destination of its recording. `id` distinguishes it from the layouts of other recordings.
 pub(super) fn send(scene: &Scene, id: &str, stream: &RecordingStream) -> RecordingStreamResult<()> {
     let (own, storage) = RecordingStreamBuilder::new(APPLICATION)
         .recording_id(id)
@@ -103,7 +103,7 @@ fn included(paths: Vec<String>) -> Vec<IncludedContent> {
     paths.into_iter().map(|path| IncludedContent(path.into())).collect()
 }
 
-/// Puts a container into the layout; its path there, and its identity.
+/// Adds a container to the layout; returns its path and its identity.
 fn container(name: &str, known: &ContainerBlueprint, own: &RecordingStream) -> RecordingStreamResult<(String, Uuid)> {
     let (words, uuid) = identity(name);
     let path = format!("container/{words}");
@@ -111,7 +111,7 @@ fn container(name: &str, known: &ContainerBlueprint, own: &RecordingStream) -> R
     Ok((path, uuid))
 }
 
-/// Puts a view into the layout; its path there.
+/// Adds a view to the layout; returns its path.
 fn view(number: usize, view: &View, own: &RecordingStream) -> RecordingStreamResult<String> {
     let (words, _) = identity(&format!("view {number}"));
     let path = format!("view/{words}");
@@ -150,7 +150,7 @@ fn view(number: usize, view: &View, own: &RecordingStream) -> RecordingStreamRes
     Ok(path)
 }
 
-/// The same identity for the same part of the window, in words and as the viewer has it.
+/// A stable identity of a part of the window, as text and in the viewer's form.
 fn identity(name: &str) -> (String, Uuid) {
     let digest = Sha256::digest(name.as_bytes());
     let mut bytes = [0; 16];

@@ -1,4 +1,4 @@
-//! A scene as a recording of the viewer of <https://rerun.io>: the only room that knows it. Compiled with the feature `rerun`.
+//! A scene as a recording of the Rerun viewer (<https://rerun.io>): the only module that uses it. Compiled with the feature `rerun`.
 
 #![allow(clippy::cast_possible_truncation)] // the viewer takes single numbers
 
@@ -18,13 +18,13 @@ use sha2::{Digest, Sha256};
 
 use crate::view::scene::{Body, Color, Drawing, Item, Level, Lines, Path, Points, Scene, WORLD, What};
 
-/// The timeline: stamps of headers; of what has none, the log time.
+/// The timeline: header stamps; log times for messages without a header.
 pub const TIMELINE: &str = "stamp";
 
-/// What the viewer calls the program.
+/// The program's name in the viewer.
 const APPLICATION: &str = "frames-lint";
 
-/// Where a scene goes.
+/// The destination of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sink<'a> {
     /// A file.
@@ -35,11 +35,11 @@ pub enum Sink<'a> {
     Connect(&'a str),
 }
 
-/// Writes a scene, which is called `name` there. The same scene has the same identity in the viewer.
+/// Writes a scene with the title `name`. The same scene has the same identity in the viewer.
 ///
 /// # Errors
 ///
-/// What the viewer's library says where it can't be written, or nobody answers.
+/// The message of the viewer's library if the scene cannot be written, or the viewer does not answer.
 pub fn write(scene: &Scene, name: &str, sink: Sink) -> Result<(), String> {
     let id = Sha256::digest(name.as_bytes());
     let id = URL_SAFE_NO_PAD.encode(id.get(..9).unwrap_or_default());
@@ -72,7 +72,7 @@ fn entity(path: &Path) -> EntityPath {
 
 fn items(scene: &Scene, stream: &RecordingStream) -> RecordingStreamResult<()> {
     stream.log_static(WORLD, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    // What has many moments goes in columns, and what an entity always shows goes together: each row costs more than its numbers.
+    // Data with many samples are sent in columns, and constant data of an entity together: each row costs more than its numbers.
     let mut poses: BTreeMap<&Path, Vec<(i64, &Isometry3<f64>)>> = BTreeMap::new();
     let mut numbers: BTreeMap<&Path, Vec<(i64, f64)>> = BTreeMap::new();
     let mut always: BTreeMap<&Path, BTreeMap<String, SerializedComponentBatch>> = BTreeMap::new();
@@ -141,7 +141,7 @@ fn radius(value: f32) -> rerun::Radius {
     }
 }
 
-/// What an item shows, as the viewer has it.
+/// An item in the viewer's form.
 fn batches(item: &Item) -> Vec<SerializedComponentBatch> {
     let shown = |what: &dyn rerun::AsComponents| what.as_serialized_batches();
     match &item.what {
@@ -217,7 +217,7 @@ fn of_lines(lines: &Lines) -> rerun::LineStrips3D {
 fn of_body(body: &Body) -> Vec<SerializedComponentBatch> {
     match body {
         Body::Mesh(file, scale) => {
-            // A mesh that is gone by now leaves its frame.
+            // If a mesh file no longer exists, its frame is still shown.
             let Ok(asset) = rerun::Asset3D::from_file_path(&file.path) else {
                 return Vec::new();
             };

@@ -20,7 +20,7 @@ pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let _ = writeln!(out, "{}", wrap(&counts, options.style.width, "", "  "));
     let (ink, words) = verdict(run, &summary, options);
     let words = wrap(&words, options.style.width, "", "  ");
-    // Painted line by line, so that a pager that works by lines keeps the colour.
+    // Coloured line by line, for pagers that reset colours at line ends.
     for line in words.lines() {
         let _ = writeln!(out, "{}", options.style.paint(ink, line));
     }
@@ -46,7 +46,7 @@ fn counts(run: &Run, summary: &Summary, style: Style) -> String {
         parts.push(format!("{} waived", summary.waived));
     }
     if summary.explained > 0 {
-        parts.push(format!("{} explained by others", summary.explained));
+        parts.push(format!("{} explained by other findings", summary.explained));
     }
     if summary.crashed > 0 {
         parts.push(format!("{} crashed", summary.crashed));
@@ -55,8 +55,8 @@ fn counts(run: &Run, summary: &Summary, style: Style) -> String {
     parts.join(style.pick(" · ", " | "))
 }
 
-/// Inputs read in full, and inputs: files by path, without those that nobody asked for and no reader exists for. A text
-/// that came out of a file counts with that file.
+/// The number of inputs read in full, and of inputs: files by path, without optional ones in unsupported formats. A text extracted from
+/// a file counts with that file.
 fn inputs(run: &Run) -> (usize, usize) {
     let mut paths: BTreeMap<&str, bool> = BTreeMap::new();
     for source in &run.sources {
@@ -71,7 +71,7 @@ fn inputs(run: &Run) -> (usize, usize) {
 fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     let mut sentences = Vec::new();
     let crash =
-        (summary.crashed > 0).then(|| format!("{} crashed, a fault of frames-lint.", plural(summary.crashed, "check")));
+        (summary.crashed > 0).then(|| format!("{} crashed (a bug in frames-lint).", plural(summary.crashed, "check")));
     let ink = match summary.verdict {
         VerdictWord::Findings => {
             let counting = counting(run, options.fail_on);
@@ -98,10 +98,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             let why = crash.into_iter().chain(unread(run)).chain(unmet_words(run));
             let why: Vec<String> = why.chain(recordings::sentence(run)).collect();
             sentences.push(format!("Incomplete: {}", why.join(" ")));
-            sentences.push(format!(
-                "What could be checked: {} passed.",
-                plural(summary.passed, "check")
-            ));
+            sentences.push(format!("{} passed.", plural(summary.passed, "check")));
             Ink::Warning
         }
         VerdictWord::Clean => {
@@ -118,14 +115,14 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     (ink, sentences.join(" "))
 }
 
-/// How much was looked at is part of the verdict.
+/// The number of evaluated checks is part of the verdict.
 fn looked_at(summary: &Summary, inputs: usize) -> String {
     let Summary { judged, applicable, .. } = summary;
     let inputs = plural(inputs, "input");
     if 2 * judged < *applicable {
-        format!("Clean, but only {judged} of {applicable} checks that apply could be made on {inputs}.")
+        format!("Clean, but only {judged} of {applicable} applicable checks could be evaluated on {inputs}.")
     } else {
-        format!("Clean: {judged} of {applicable} checks that apply were made on {inputs}.")
+        format!("Clean: {judged} of {applicable} applicable checks were evaluated on {inputs}.")
     }
 }
 
@@ -148,7 +145,7 @@ fn counting(run: &Run, fail_on: FailOn) -> String {
     list(&parts)
 }
 
-/// Findings that do not fail the run: said, so that nobody takes them for nothing.
+/// Findings that do not fail the run, so that they are not overlooked.
 fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
     let others = || run.verdict.open().filter(|finding| !fail_on.counts(finding));
     let hints = others()
@@ -173,7 +170,7 @@ fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
     Some(sentence)
 }
 
-/// From where on findings count, and who says so.
+/// The severity from which findings count, and its origin.
 fn fail_on_words(run: &Run, fail_on: FailOn) -> String {
     let by = if run.fail_on == Some(fail_on) {
         " of the configuration"
@@ -185,7 +182,7 @@ fn fail_on_words(run: &Run, fail_on: FailOn) -> String {
 
 fn unread(run: &Run) -> Option<String> {
     let paths: BTreeSet<String> = run.unread().map(|source| one_line(&source.path)).collect();
-    // One path helps; several make the last line unreadable, and stand above with their reasons.
+    // A single path is named; several would make the last line unreadable, and are listed above with their reasons.
     let what = match (paths.len(), paths.first()) {
         (0, _) | (_, None) => return None,
         (1, Some(path)) => path.clone(),
@@ -194,14 +191,14 @@ fn unread(run: &Run) -> Option<String> {
     Some(format!("{what} could not be read in full."))
 }
 
-/// Why there is not a single judgement.
+/// Why nothing was evaluated.
 fn why_nothing(run: &Run) -> String {
     if run.sources.is_empty() {
         return if run.skipped.is_empty() {
-            "there is no file to read".to_owned()
+            "no input files were found".to_owned()
         } else {
             format!(
-                "none of the {} there is of a kind that frames-lint reads",
+                "frames-lint does not support the format of any of the {} found",
                 plural(run.skipped.values().sum(), "file")
             )
         };
@@ -210,10 +207,10 @@ fn why_nothing(run: &Run) -> String {
         return unread.trim_end_matches('.').to_owned();
     }
     if run.verdict.count(Outcome::Crashed) > 0 {
-        return "every check that could be made crashed".to_owned();
+        return "every check crashed".to_owned();
     }
     if !run.verdict.has_rows() {
-        return "no rule was asked".to_owned();
+        return "no rule ran".to_owned();
     }
     let (_, count) = inputs(run);
     let what = match (run.sources.as_slice(), count) {
@@ -223,5 +220,5 @@ fn why_nothing(run: &Run) -> String {
         },
         (_, count) => plural(count, "input"),
     };
-    format!("no rule found anything it could judge in {what}, for the reasons above")
+    format!("no rule could be evaluated on {what}, for the reasons above")
 }

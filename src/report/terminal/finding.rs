@@ -16,7 +16,7 @@ const MAX_PLACES: usize = 12;
 /// More edits of one fix are only counted.
 const MAX_EDITS: usize = 3;
 
-/// A finding with everything it says.
+/// A finding in full.
 pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
     let head = format!(
         "{} {}",
@@ -46,7 +46,7 @@ pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, styl
     }
 }
 
-/// A finding on one line, in the form that editors understand.
+/// A finding on one line, in the format that editors recognise.
 pub(super) fn line(finding: &Finding, locator: &Locator, style: Style, out: &mut String) {
     let place = finding
         .places
@@ -63,7 +63,7 @@ pub(super) fn line(finding: &Finding, locator: &Locator, style: Style, out: &mut
     );
 }
 
-/// `error[NAME06 optical-suffix]`, with the confidence where it is not certain. A hint is no error, whatever the severity of its rule.
+/// `error[NAME06 optical-suffix]`, with the confidence if it is not certain. Hints are called `hint`, for any severity of the rule.
 fn head(finding: &Finding, style: Style) -> String {
     let ink = match finding.severity {
         _ if finding.confidence == Confidence::Hint => Ink::Note,
@@ -167,7 +167,7 @@ pub(in crate::report) struct Spelled {
     pub(in crate::report) spread: Option<String>,
 }
 
-/// What is less than this in its unit, or than a millionth of its limit, is what computing leaves of nothing.
+/// A value below this in its unit, or below a millionth of its limit, is rounding error and shown as 0.
 fn least(measured: &Measured) -> f64 {
     let of_unit = match measured.unit.as_str() {
         "deg" | "deg/s" => 1e-6,
@@ -178,7 +178,7 @@ fn least(measured: &Measured) -> f64 {
         _ => 1e-15,
     };
     match measured.limit {
-        // It must be told from its limit.
+        // It must differ from its limit.
         Some(limit) if limit.abs() <= of_unit => 0.0,
         Some(limit) => f64::max(of_unit, limit.abs() * 1e-6),
         None => of_unit,
@@ -191,7 +191,7 @@ impl Spelled {
             "1" | "count" | "" => String::new(),
             unit => format!(" {unit}"),
         };
-        // As many digits as it takes to tell the value from its limit.
+        // As many digits as needed to distinguish the value from its limit.
         let digits = (4..=17)
             .find(|digits| {
                 measured.limit.is_none_or(|limit| {

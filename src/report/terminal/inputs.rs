@@ -1,4 +1,4 @@
-//! What was not read: broken inputs with their place, recordings read in part, files without a reader.
+//! Inputs: what was read of them, problems with their places, recordings read in part, skipped files.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -21,10 +21,10 @@ const MAX_SKIPPED: usize = 12;
 
 /// More inputs are only counted, unless all checks are listed.
 const MAX_TAKEN: usize = 20;
-/// More inputs with nothing in them are only counted, unless all checks are listed.
+/// More inputs without content are only counted, unless all checks are listed.
 const MAX_SILENT: usize = 3;
 
-/// What was taken from each input, in a line, and what is to be said of how it was judged.
+/// What was read from each input, in a line, and notes on how it was judged.
 pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
     let has_words = |source: &&Source| source.understood().is_some() || !source.notes.is_empty();
     let sources: Vec<&Source> = run.sources.iter().map(AsRef::as_ref).filter(has_words).collect();
@@ -38,7 +38,7 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
         return;
     }
     let shown = if options.verbose { sources.len() } else { MAX_TAKEN };
-    heading(options.style, "Understood", sources.len(), "input", out);
+    heading(options.style, "Read", sources.len(), "input", out);
     for source in sources.iter().take(shown) {
         let what: Vec<String> = source
             .understood()
@@ -51,7 +51,7 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
     if sources.len() > shown {
         let _ = writeln!(
             out,
-            "  ... and {}; --verbose lists them",
+            "  ... and {} (list with --verbose)",
             plural(sources.len() - shown, "more input")
         );
     }
@@ -61,13 +61,13 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
         if silent.len() > named {
             names.push(format!("{} more", silent.len() - named));
         }
-        let line = format!("nothing that a rule uses in {}", names.join(", "));
+        let line = format!("nothing to check in {}", names.join(", "));
         let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "    "));
     }
     out.push('\n');
 }
 
-/// Whether files of this kind may hold transforms in text.
+/// Whether files of this kind may contain transforms as text.
 fn is_text(kind: SourceKind) -> bool {
     matches!(
         kind,
@@ -116,7 +116,7 @@ pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Sty
     out.push('\n');
 }
 
-/// Optional inputs whose fault has a place are worth showing; optional files that no reader exists for are not.
+/// Optional inputs with a problem at a place are shown; optional files in unsupported formats are not.
 fn has_placed_problem(source: &Source) -> bool {
     source.problems.iter().any(|problem| problem.place.at != At::Whole)
 }
@@ -157,18 +157,18 @@ pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
     if partly.is_empty() {
         return;
     }
-    heading(style, "Examined in part", partly.len(), "recording", out);
+    heading(style, "Read in part", partly.len(), "recording", out);
     for source in partly {
         let mut parts = examined_words(&source.examined);
         if source.examined.windows.is_some() {
-            parts.push("--full reads all of it".to_owned());
+            parts.push("read everything with --full".to_owned());
         }
         let _ = writeln!(out, "  {}: {}", one_line(&source.path), parts.join(", "));
     }
     out.push('\n');
 }
 
-/// How much of a source was examined: bytes, messages, and time in stretches.
+/// How much of a source was read: bytes, messages, and time in windows.
 pub(in crate::report) fn examined_words(examined: &Examined) -> Vec<String> {
     let mut parts = vec![share(
         "",
@@ -189,7 +189,7 @@ pub(in crate::report) fn examined_words(examined: &Examined) -> Vec<String> {
     if let (Some(windows), Some(read), Some(total)) = (examined.windows, examined.time_ns, examined.time_total_ns) {
         let seconds = |ns: i64| format!("{:.1}", ns as f64 / 1e9);
         let time = share(" s", &seconds(read), &seconds(total), read as f64 / total.max(1) as f64);
-        let stretches = if windows == 1 { "stretch" } else { "stretches" };
+        let stretches = if windows == 1 { "window" } else { "windows" };
         parts.push(format!("{time} in {windows} {stretches}"));
     }
     parts
@@ -208,7 +208,7 @@ fn plural_u64(count: u64) -> String {
     }
 }
 
-/// Files met in folders that no reader exists for, by kind; with `--verbose` all kinds.
+/// Files in folders with unsupported formats, by kind; with `--verbose` all kinds.
 pub(super) fn skipped(run: &Run, options: &Options, out: &mut String) {
     let unsupported = run
         .sources
@@ -238,6 +238,6 @@ pub(super) fn skipped(run: &Run, options: &Options, out: &mut String) {
     } else {
         String::new()
     };
-    let line = format!("Passed over, no reader for them: {}{rest}", named.join(", "));
+    let line = format!("Skipped (format not supported): {}{rest}", named.join(", "));
     let _ = writeln!(out, "{}\n", wrap(&line, options.style.width, "", "  "));
 }

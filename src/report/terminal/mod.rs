@@ -1,6 +1,6 @@
-//! The report of a run for people: findings with their source lines, unread inputs, what was not evaluated, a verdict.
+//! The report of a run for people: findings with their source lines, unread inputs, checks that were not evaluated, a verdict.
 //!
-//! Owns the order of the parts and how much is shown. `snippet` is the only file that knows miette.
+//! Owns the order of the parts and how much is shown. Only `snippet` uses miette.
 
 mod ending;
 mod finding;
@@ -28,11 +28,11 @@ pub(super) use finding::{Spelled, measured_words, message_words};
 pub(super) use inputs::examined_words;
 pub(super) use rows::reasons;
 
-/// Findings shown in full; rendering a snippet costs far more than a line.
+/// Maximum number of findings shown in full; rendering a snippet costs far more than a line.
 const FULL: usize = 100;
-/// Findings shown at all, unless all are asked for.
+/// Maximum number of findings shown, without --all.
 const SHOWN: usize = 200;
-/// So many findings of each rule are shown in full, however many findings of other rules stand before them.
+/// Number of findings of each rule shown in full, regardless of the findings of other rules before them.
 const FULL_PER_RULE: usize = 3;
 
 /// What to show, and how.
@@ -40,7 +40,7 @@ const FULL_PER_RULE: usize = 3;
 pub struct Options {
     /// Colours, characters and width.
     pub style: Style,
-    /// From which severity on findings fail the run; for the verdict.
+    /// The lowest severity that fails the run, for the verdict.
     pub fail_on: FailOn,
     /// Every row that was not evaluated, instead of a summary by reason.
     pub verbose: bool,
@@ -58,7 +58,7 @@ pub enum Parts {
     All,
     /// Findings and inputs with problems.
     Findings,
-    /// All, with how many findings each rule has instead of the findings.
+    /// All, with the number of findings of each rule instead of the findings.
     Statistics,
 }
 
@@ -93,11 +93,11 @@ pub fn render(run: &Run, options: &Options) -> String {
     out
 }
 
-/// Where more is to be read of what was found.
+/// Points to the page of the first finding's rule.
 fn explain(run: &Run, style: Style, out: &mut String) {
     let Some(first) = run.verdict.open().next() else { return };
     let words = format!(
-        "`frames-lint explain {}` tells how the rule decides, why it matters and how to fix it",
+        "`frames-lint explain {}` shows how the rule decides, why it matters and how to fix it",
         one_line(&first.rule)
     );
     for line in wrap(&words, style.width, "", "  ").lines() {
@@ -106,7 +106,7 @@ fn explain(run: &Run, style: Style, out: &mut String) {
     out.push('\n');
 }
 
-/// Where the only input cannot be read: that, in one line.
+/// If the only input cannot be read: one line that says so.
 fn nothing_read(run: &Run, options: &Options) -> Option<String> {
     let [only] = run.sources.as_slice() else {
         return None;
@@ -123,7 +123,7 @@ fn nothing_read(run: &Run, options: &Options) -> Option<String> {
     Some(options.style.paint(Ink::Error, &one_line(&line)) + "\n")
 }
 
-/// How many findings each rule has, most first.
+/// The number of findings of each rule, the largest first.
 fn statistics(run: &Run, style: Style, out: &mut String) {
     let mut counts: BTreeMap<(&str, &str, &str), usize> = BTreeMap::new();
     for finding in run.verdict.open() {
@@ -182,7 +182,7 @@ pub fn render_ending(run: &Run, options: &Options) -> String {
     out
 }
 
-/// The inputs that could not be read, or not in full; empty where there are none.
+/// The inputs that could not be read, or not in full; empty if there are none.
 pub fn render_unread(run: &Run, style: Style) -> String {
     let locator = Locator::new(&run.sources);
     let mut out = String::new();
@@ -215,14 +215,14 @@ fn findings(run: &Run, options: &Options, locator: &Locator, painter: &Painter, 
         in_list = true;
         let more = format!("... and {count} more of {rule} {name}");
         out.push_str(&options.style.paint(Ink::Strong, &more));
-        out.push_str(" (--all shows them)\n");
+        out.push_str(" (show with --all)\n");
     }
     if in_list {
         out.push('\n');
     }
 }
 
-/// A heading of a part, with a count of what stands under it.
+/// A heading of a part, with the number of its items.
 fn heading(style: Style, title: &str, count: usize, noun: &str, out: &mut String) {
     let heading = format!("{title} ({})", plural(count, noun));
     out.push_str(&style.paint(Ink::Strong, &heading));

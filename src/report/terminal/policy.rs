@@ -1,4 +1,4 @@
-//! What the user accepts, and what is required and not met.
+//! Accepted findings, and requirements that are not met.
 
 use std::fmt::Write;
 
@@ -11,10 +11,10 @@ use super::super::style::Ink;
 use super::super::text::{one_line, plural, wrap};
 use super::{Options, finding, heading};
 
-/// Waived findings that are shown, unless all are asked for.
+/// Maximum number of waived findings shown, without --all.
 const SHOWN: usize = 50;
 
-/// Findings that the user accepts: a line each, with the reason.
+/// Accepted findings: a line each, with the reason.
 pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
     let waived = || {
         run.verdict
@@ -40,16 +40,16 @@ pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut 
         let _ = writeln!(out, "{words}");
     }
     if count > shown {
-        let _ = writeln!(out, "  ... and {} more (--all shows them)", count - shown);
+        let _ = writeln!(out, "  ... and {} more (show with --all)", count - shown);
     }
     out.push('\n');
 }
 
-/// Requirements that are not met: why, and what would have to be there.
+/// Requirements that are not met: why, and what is needed.
 pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
     let lacking: Vec<&Unmet> = run.lacking().collect();
     if !lacking.is_empty() {
-        heading(style, "Required, and not met", lacking.len(), "requirement", out);
+        heading(style, "Requirements not met", lacking.len(), "requirement", out);
         for unmet in lacking {
             told(unmet, style, out);
             if let Some(record) = &unmet.record {
@@ -61,8 +61,9 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
             }
         }
         if let Some(rule) = run.lacking().find(|unmet| !unmet.is_share()).map(|unmet| &unmet.rule) {
-            let words =
-                format!("What cannot be met is lifted in frames-lint.yaml: `require: [{{rule: {rule}, lifted: why}}]`");
+            let words = format!(
+                "To lift a requirement, add to frames-lint.yaml: `require: [{{rule: {rule}, lifted: REASON}}]`"
+            );
             let _ = writeln!(out, "{}", wrap(&words, style.width, "  ", "  "));
         }
         out.push('\n');
@@ -75,7 +76,7 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
     if accepted().next().is_some() {
         heading(
             style,
-            "Required, not met, and waived",
+            "Requirements not met, waived",
             accepted().count(),
             "requirement",
             out,

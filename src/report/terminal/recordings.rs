@@ -1,4 +1,4 @@
-//! The verdicts of several recordings: a line each, and below what decides where it is not clean.
+//! The verdicts of several recordings: a line each, and the reason below if it is not clean.
 
 use std::fmt::Write;
 
@@ -9,14 +9,14 @@ use super::super::style::Ink;
 use super::super::text::{list, one_line, plural};
 use super::heading;
 
-/// What decides is cut off behind so many characters, or at the width of the terminal: it stands in full above.
+/// The reason is cut after this many characters, or at the width of the terminal: it is shown in full above.
 const WIDTH: usize = 120;
 /// The width of the numbers of a line.
 const NUMBERS: usize = 55;
-/// The indent of what stands below.
+/// The indent of the reason.
 const INDENT: &str = "              ";
 
-/// The table; nothing where there is one recording, or none.
+/// The table; nothing for fewer than two recordings.
 pub(super) fn table(run: &Run, style: Style, out: &mut String) {
     if run.recordings.is_empty() {
         return;

@@ -1,4 +1,4 @@
-//! Outcomes without a finding: what was not evaluated and why, and what crashed.
+//! Outcomes without a finding: checks that were not evaluated, with the reasons, and crashes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -16,10 +16,10 @@ fn rows(run: &Run, outcome: Outcome) -> Vec<&Row> {
 }
 
 fn reason(row: &Row) -> &str {
-    row.reason.as_deref().unwrap_or("no reason was given")
+    row.reason.as_deref().unwrap_or("no reason given")
 }
 
-/// Why checks were not made: for each reason the rules, and how many checks.
+/// Why checks were not evaluated: for each reason the rules, and the number of checks.
 pub(in crate::report) fn reasons(run: &Run) -> BTreeMap<&str, (BTreeSet<&str>, usize)> {
     let mut reasons: BTreeMap<&str, (BTreeSet<&str>, usize)> = BTreeMap::new();
     for row in rows(run, Outcome::NotEvaluated) {
@@ -52,7 +52,7 @@ pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
     out.push('\n');
 }
 
-/// One line: how many checks for what reason, and which input would help most.
+/// One line: the number of checks by reason, and the missing input that most checks need.
 fn brief(run: &Run, rows: &[&Row], style: Style) -> String {
     let count = |kind: NotEvaluated| {
         let counted = if kind == NotEvaluated::NotApplicable {
@@ -63,10 +63,10 @@ fn brief(run: &Run, rows: &[&Row], style: Style) -> String {
         counted + rows.iter().filter(|row| row.why_not() == Some(kind)).count()
     };
     let kinds = [
-        (NotEvaluated::NotApplicable, "with nothing to judge"),
+        (NotEvaluated::NotApplicable, "not applicable"),
         (NotEvaluated::TooLittleEvidence, "with too little evidence"),
-        (NotEvaluated::InputBroken, "on broken inputs"),
-        (NotEvaluated::MissingInput, "without an input"),
+        (NotEvaluated::InputBroken, "with a broken input"),
+        (NotEvaluated::MissingInput, "with a missing input"),
     ];
     let kinds = kinds.map(|(kind, words)| (count(kind), words));
     let kinds = kinds.iter().filter(|(count, _)| *count > 0);
@@ -86,16 +86,13 @@ fn brief(run: &Run, rows: &[&Row], style: Style) -> String {
         .max_by_key(|(input, count)| (*count, std::cmp::Reverse(*input)))
     {
         let input = input.replace(" and no ", " or ");
-        parts.push(format!(
-            "what would help most: {input} ({})",
-            plural(count, "more check")
-        ));
+        parts.push(format!("most needed: {input} ({})", plural(count, "check")));
     }
-    let line = format!("Not evaluated: {}; --verbose lists them", parts.join(", "));
+    let line = format!("Not evaluated: {}; list with --verbose", parts.join(", "));
     wrap(&one_line(&line), style.width, "", "  ")
 }
 
-/// Rules that broke: a fault of ours.
+/// Rules that crashed: bugs.
 pub(super) fn crashed(run: &Run, style: Style, out: &mut String) {
     let rows = rows(run, Outcome::Crashed);
     if rows.is_empty() {
@@ -103,7 +100,7 @@ pub(super) fn crashed(run: &Run, style: Style, out: &mut String) {
     }
     heading(
         style,
-        "Crashed: a fault of frames-lint, not of the files",
+        "Crashed (a bug in frames-lint, not a problem of your files)",
         rows.len(),
         "check",
         out,
@@ -114,6 +111,6 @@ pub(super) fn crashed(run: &Run, style: Style, out: &mut String) {
     }
     let _ = writeln!(
         out,
-        "  help: report this with the input that causes it; --ignore leaves the rule out\n"
+        "  help: report this together with the input; skip the rule with --ignore\n"
     );
 }

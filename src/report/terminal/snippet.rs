@@ -1,7 +1,7 @@
-//! Source lines with marks under them, drawn by miette. The only file that knows miette.
+//! Source lines with marks under them, drawn by miette. The only file that uses miette.
 //!
-//! miette counts lines from the start of a text for every label, panics on spans outside it and prints whatever stands
-//! there. It is given a line index of ours, spans that fit, texts without control characters, and windows of long lines.
+//! miette counts lines from the start of a text for every label, panics on spans outside it and prints control characters
+//! unchanged. It gets our line index, spans inside the text, texts without control characters, and windows of long lines.
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -24,16 +24,16 @@ use super::super::text::{clean_in_place, one_line};
 const LONG_LINE: usize = 240;
 /// Bytes shown before and after a mark in a long line.
 const WINDOW: usize = 80;
-/// A mark covers at most so many bytes.
+/// Maximum number of bytes under a mark.
 const LONGEST_MARK: usize = 120;
 /// Two marks whose lines are together larger than this are shown in two snippets.
 const LARGEST_SNIPPET: usize = 4096;
 
 /// A mark under a text.
 pub(super) struct Mark {
-    /// What is marked.
+    /// The marked bytes.
     pub(super) span: Span,
-    /// What is to be seen there; may be empty.
+    /// A label; may be empty.
     pub(super) note: String,
     /// Whether the finding is about this mark.
     pub(super) primary: bool,
@@ -79,7 +79,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The lines of one source with marks under them. `None` where the source has no text to show.
+    /// The lines of one source with marks under them. `None` if the source has no text to show.
     pub(super) fn snippet(&self, id: SourceId, marks: &[Mark]) -> Option<String> {
         let text = self.text(id)?;
         let labels: Vec<LabeledSpan> = marks.iter().filter_map(|mark| label(text, mark)).collect();
@@ -96,14 +96,14 @@ impl<'a> Painter<'a> {
         };
         let mut drawn = String::new();
         self.handler.render_report(&mut drawn, &shown).ok()?;
-        // The first line is miette's own headline; ours stands above.
+        // The first line is miette's own headline; ours is above.
         let (_, snippet) = drawn.split_once('\n')?;
         let Some(width) = self.style.width else {
             return Some(snippet.to_owned());
         };
         match (cropped(snippet, width, self.style), marks) {
             ((cropped, true), _) | ((cropped, false), [_]) => Some(cropped),
-            // Where not all notes fit beside each other, each mark is shown by itself.
+            // If not all labels fit beside each other, each mark is shown separately.
             ((_, false), marks) => Some(
                 marks
                     .iter()
@@ -124,7 +124,7 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// The mark as a label that lies within one line of the text, on character boundaries, and covers a character.
+/// The mark as a label within one line of the text, on character boundaries, that covers at least one character.
 fn label(text: &str, mark: &Mark) -> Option<LabeledSpan> {
     let last = text.trim_end().char_indices().next_back()?.0;
     let start = floor(text, mark.span.start.min(last));
@@ -144,13 +144,13 @@ fn label(text: &str, mark: &Mark) -> Option<LabeledSpan> {
     })
 }
 
-/// Columns that are left before a note, or a mark without one, where the start of its line is cropped.
+/// Columns kept before a label, or a mark without one, if the start of its line is cropped.
 const BEFORE_NOTE: usize = 6;
-/// Fewer columns of a line say nothing.
+/// Minimum useful number of columns of a line.
 const LEAST_WIDTH: usize = 20;
 
-/// A snippet in so many columns: of each line what surrounds its marks, with `…` where it is cropped, and whether all marks and notes are
-/// there. The line that names the file stays.
+/// A snippet of this width: of each line the part around its marks, with `…` where it is cropped, and whether all marks and labels are
+/// included. The line that names the file is kept.
 fn cropped(snippet: &str, width: usize, style: Style) -> (String, bool) {
     let (mut out, mut is_whole) = (String::new(), true);
     let mut lines = snippet.lines().map(Line::new).peekable();
@@ -167,7 +167,7 @@ fn cropped(snippet: &str, width: usize, style: Style) -> (String, bool) {
             .or_else(|| first(|c| c != ' '))
             .unwrap_or(0);
         let end = marks().map(|line| line.columns).max().unwrap_or(0);
-        // As far as the notes need, and not beyond the first of them.
+        // As far as the labels need, but not beyond the first of them.
         let from = end.saturating_sub(room).min(note.saturating_sub(BEFORE_NOTE));
         is_whole &= end <= from + room;
         for line in block {
@@ -177,12 +177,12 @@ fn cropped(snippet: &str, width: usize, style: Style) -> (String, bool) {
     (out, is_whole)
 }
 
-/// A line of a snippet: number and rule in the gutter, and a source line or marks behind.
+/// A line of a snippet: number and rule in the gutter, then a source line or marks.
 struct Line<'s> {
     text: &'s str,
-    /// Columns of the gutter; 0 where there is none.
+    /// Columns of the gutter; 0 if there is none.
     gutter: usize,
-    /// Columns behind it.
+    /// Columns after it.
     columns: usize,
     is_of_marks: bool,
 }
@@ -207,7 +207,7 @@ impl<'s> Line<'s> {
         line
     }
 
-    /// Its characters with their offsets, without what only colours them.
+    /// Its characters with their offsets, without colour codes.
     fn shown(&self) -> impl Iterator<Item = (usize, char)> {
         let mut is_code = false;
         self.text.char_indices().filter(move |(_, c)| {
@@ -217,12 +217,12 @@ impl<'s> Line<'s> {
         })
     }
 
-    /// The first column behind the gutter with such a character.
+    /// The first column after the gutter with such a character.
     fn position(&self, is_wanted: fn(char) -> bool) -> Option<usize> {
         self.shown().skip(self.gutter).position(|(_, c)| is_wanted(c))
     }
 
-    /// Adds the gutter and `room` columns behind it, from `from` on.
+    /// Adds the gutter and `room` columns after it, from `from` on.
     fn push_cropped(&self, from: usize, room: usize, style: Style, out: &mut String) {
         if self.gutter == 0 || from == 0 && self.columns <= room {
             out.push_str(self.text);
@@ -288,7 +288,7 @@ impl Code<'_> {
         end - start > LONG_LINE
     }
 
-    /// First byte, zero-based line and zero-based column of what is shown for a span.
+    /// First byte, zero-based line and zero-based column of the part shown for a span.
     fn window(&self, span: Span, context: usize) -> (Span, usize, usize) {
         let at = self.lines.locate(self.text, span.start);
         let first = at.line - 1;
@@ -452,7 +452,7 @@ mod tests {
             ..Style::PLAIN
         };
         assert_eq!(draw_in(&text, &[(at, at + 5)], wide), draw(&text, &[(at, at + 5)]));
-        // Two marks that do not fit are shown one by one, each with its note.
+        // Two marks without room beside each other are shown one by one, each with its label.
         let style = Style {
             width: Some(40),
             ..Style::PLAIN

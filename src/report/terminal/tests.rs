@@ -30,7 +30,7 @@ fn a_finding_in_one_file() {
         "quarter-turn",
         Finding::error(
             "joint `lidar_joint`",
-            "`lidar` is turned by 89.954 deg, a quarter turn with digits missing",
+            "`lidar` is rotated by 89.954 deg, a quarter turn with digits missing",
             place,
         )
         .likely()
@@ -46,7 +46,7 @@ fn a_finding_in_one_file() {
     assert_eq!(
         plain(&s.run()),
         "\
-error[CONV02 quarter-turn] (likely) `lidar` is turned by 89.954 deg, a quarter turn with digits missing
+error[CONV02 quarter-turn] (likely) `lidar` is rotated by 89.954 deg, a quarter turn with digits missing
    ╭─[robot.urdf:4:18]
  3 │   <joint name=\"lidar_joint\" type=\"fixed\">
  4 │     <origin rpy=\"0 0 1.57\"/>
@@ -57,7 +57,7 @@ error[CONV02 quarter-turn] (likely) `lidar` is turned by 89.954 deg, a quarter t
   measured: distance from 90 deg 0.04563 deg, limit 0.01 deg, n=1
   help: write ${pi/2} or 1.5707963
 
-`frames-lint explain CONV02` tells how the rule decides, why it matters and how to fix it
+`frames-lint explain CONV02` shows how the rule decides, why it matters and how to fix it
 
 1 error, 0 warnings, 0 notes · 1 check passed · 0 not evaluated · 1 of 1 input read
 Not clean: 1 error.
@@ -107,7 +107,7 @@ error[CALIB01 sources-differ] two sources differ by 90 deg
             translation difference 0 m, limit 0.05 m
   relation: rz-90
 
-`frames-lint explain CALIB01` tells how the rule decides, why it matters and how to fix it
+`frames-lint explain CALIB01` shows how the rule decides, why it matters and how to fix it
 
 1 error, 0 warnings, 0 notes · 0 checks passed · 0 not evaluated · 2 of 2 inputs read
 Not clean: 1 error.
@@ -144,10 +144,10 @@ hint[TF03 parent-switch] `odom` changes its parent
   → drive.mcap /tf message 13, recorded 2023-11-14 22:13:20.100 UTC (1700000000.1 s): under `earth`
   measured: changes 2
 
-Examined in part (1 recording)
+Read in part (1 recording)
   drive.mcap: 25 MB of 2 GB (1.2 %), 1200 messages
 
-`frames-lint explain TF03` tells how the rule decides, why it matters and how to fix it
+`frames-lint explain TF03` shows how the rule decides, why it matters and how to fix it
 
 0 errors, 0 warnings, 0 notes, 1 hint · 0 checks passed · 0 not evaluated · 1 of 1 input read
 Clean: no finding counts. 1 hint does not count.
@@ -157,7 +157,7 @@ Clean: no finding counts. 1 hint does not count.
 
 #[test]
 fn nothing_checked_is_never_a_pass() {
-    assert!(plain(&Run::default()).ends_with("Nothing was checked: there is no file to read. This is not a pass.\n"));
+    assert!(plain(&Run::default()).ends_with("Nothing was checked: no input files were found. This is not a pass.\n"));
 
     let mut s = Sample::default();
     s.source("calib.yaml", SourceKind::Yaml, "a: 1\n");
@@ -176,15 +176,15 @@ fn nothing_checked_is_never_a_pass() {
     assert_eq!(
         plain(&run),
         "\
-Understood (0 inputs)
-  nothing that a rule uses in calib.yaml
+Read (0 inputs)
+  nothing to check in calib.yaml
 
-Passed over, no reader for them: 12 .stl, 3 .png
+Skipped (format not supported): 12 .stl, 3 .png
 
-Not evaluated: 4 without an input, what would help most: URDF (3 more checks); --verbose lists them
+Not evaluated: 4 with a missing input, most needed: URDF (3 checks); list with --verbose
 
 0 errors, 0 warnings, 0 notes · 0 checks passed · 4 not evaluated · 1 of 1 input read
-Nothing was checked: no rule found anything it could judge in calib.yaml, for the reasons above. This is not a pass.
+Nothing was checked: no rule could be evaluated on calib.yaml, for the reasons above. This is not a pass.
 "
     );
     assert!(with(&run, true, false, Style::PLAIN).contains("  TF01 a-rule, clock: missing input: no recording\n"));
@@ -209,7 +209,10 @@ Nothing was checked: no rule found anything it could judge in calib.yaml, for th
     );
 
     run.sources.clear();
-    assert!(plain(&run).contains("Nothing was checked: none of the 15 files there is of a kind"));
+    assert!(
+        plain(&run)
+            .contains("Nothing was checked: frames-lint does not support the format of any of the 15 files found")
+    );
 }
 
 #[test]
@@ -220,16 +223,14 @@ fn an_unread_input_is_shown_with_its_line_and_makes_the_run_incomplete() {
     let text = plain(&run);
     assert!(text.contains(" 2 │ b: [\n"), "{text}");
     assert!(text.contains("    help: close it with `]`\n"), "{text}");
-    assert!(
-        text.ends_with("Incomplete: calib.yaml could not be read in full. What could be checked: 1 check passed.\n")
-    );
+    assert!(text.ends_with("Incomplete: calib.yaml could not be read in full. 1 check passed.\n"));
 }
 
 #[test]
 fn a_crash_is_ours_and_said() {
     let text = plain(&everything());
     assert!(text.contains("  A04 a-rule, x: index out of range\n"), "{text}");
-    assert!(text.contains("1 check crashed, a fault of frames-lint."), "{text}");
+    assert!(text.contains("1 check crashed (a bug in frames-lint)."), "{text}");
 }
 
 #[test]
@@ -253,7 +254,7 @@ fn long_reports_are_cut_but_no_rule_is_lost() {
         SHOWN - FULL
     );
     assert!(
-        text.contains("\n... and 800 more of TREE01 orphan-subtree (--all shows them)\n"),
+        text.contains("\n... and 800 more of TREE01 orphan-subtree (show with --all)\n"),
         "{text}"
     );
     assert!(text.contains("warning[ZZ09 last-rule] the only one\n   ╭─"), "{text}");
@@ -326,7 +327,7 @@ fn how_much_was_looked_at_is_part_of_the_verdict() {
         for index in 0..10 {
             let (outcome, reason) = match index {
                 _ if index < passed => (Outcome::Pass, None),
-                9 => (Outcome::NotEvaluated, Some("not applicable: nothing here to judge")),
+                9 => (Outcome::NotEvaluated, Some("not applicable: nothing to check here")),
                 _ => (Outcome::NotEvaluated, Some("missing input: no recording")),
             };
             s.row("TREE01", &format!("frame {index}"), outcome, reason);
@@ -334,13 +335,13 @@ fn how_much_was_looked_at_is_part_of_the_verdict() {
         plain(&s.run())
     };
     assert!(
-        judged(8).contains("Clean: 8 of 9 checks that apply were made on 1 input."),
+        judged(8).contains("Clean: 8 of 9 applicable checks were evaluated on 1 input."),
         "{}",
         judged(8)
     );
     let few = judged(1);
     assert!(
-        few.contains("Clean, but only 1 of 9 checks that apply could be made on 1 input."),
+        few.contains("Clean, but only 1 of 9 applicable checks could be evaluated on 1 input."),
         "{few}"
     );
 }

@@ -1,5 +1,5 @@
-//! The chain of transforms from one frame to another at a stamp: every factor with its value, its source and its age, and
-//! their product; or why tf2 would have thrown.
+//! The chain of transforms from one frame to another at a timestamp: every factor with its value, its source and its age, and
+//! their product; or the exception of tf2.
 
 use std::fmt::Write;
 
@@ -14,17 +14,17 @@ use super::super::text::{one_line, stamp};
 use super::origin::{age, rivals, rooms, seconds, thinned, who};
 use super::{Names, pose_words, shown, title};
 
-/// Likeness from which a known name is suggested.
+/// Minimum similarity of a suggested name.
 const NEAR: f64 = 0.5;
-/// Names that are suggested at most.
+/// Maximum number of suggested names.
 const SUGGESTED: usize = 5;
 
-/// The chain `target_from_source` at a stamp, the latest common one without it.
+/// The chain `target_from_source` at a timestamp, or at the latest common one.
 ///
 /// # Errors
 ///
-/// What tf2 would have thrown, with what is known of the frames; where several platforms or namespaces were asked, that
-/// of the one that came furthest.
+/// The exception of tf2, with what is known of the frames; of several platforms or namespaces, that of the one that came
+/// furthest.
 pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: Style) -> Result<String, String> {
     let locator = Locator::inside(&run.sources);
     let rooms = rooms(run);
@@ -52,15 +52,15 @@ pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: 
                     if let Some((kept, of)) = thinned(world, &origins, factor) {
                         let (parent, child) = (shown(factor.parent.as_str()), shown(factor.child.as_str()));
                         let note = format!(
-                            "of `{parent}` from `{child}`, {kept} transforms were kept of {of}, evenly: what lies between two \
-                             of them is interpolated"
+                            "of `{parent}` from `{child}`, {kept} transforms were kept of {of}, evenly spaced; values between \
+                             them are interpolated"
                         );
                         let _ = writeln!(out, "{}", style.paint(Ink::Faint, &note));
                     }
                     let rivals = rivals(world, &origins, factor);
                     if rivals > 0 {
                         let note = format!(
-                            "of `{}`, launch files publish {rivals} more, which say otherwise: it depends on what is started",
+                            "of `{}`, launch files publish {rivals} more with other values: the result depends on which files are started",
                             shown(factor.child.as_str())
                         );
                         let _ = writeln!(out, "{}", style.paint(Ink::Faint, &note));
@@ -80,16 +80,16 @@ pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: 
     match (out.is_empty(), furthest) {
         (false, _) => Ok(out),
         (true, Some((_, failure))) => Err(failure),
-        (true, None) => Err("LookupException: nothing that was read names a frame\n".to_owned()),
+        (true, None) => Err("LookupException: the inputs contain no frames\n".to_owned()),
     }
 }
 
-/// tf2 answers for one and the same frame without looking whether there is such a frame; a reader wants to know.
+/// tf2 returns identity for the same frame twice without checking that the frame exists; here it is checked.
 fn known(buffer: &Buffer, found: &Found, target: &str) -> bool {
     !found.factors.is_empty() || buffer.knows(&FrameId::new(target))
 }
 
-/// How far a look-up came before it failed.
+/// The progress of a look-up before it failed.
 fn rank(error: &LookupError) -> u8 {
     match error {
         LookupError::InvalidArgument { .. } => 1,
@@ -157,9 +157,9 @@ fn failure(buffer: &Buffer, error: &LookupError, at_ns: Option<i64>) -> String {
             let near = near(buffer, frame);
             if near.is_empty() {
                 let count = buffer.frames().count();
-                let _ = writeln!(text, "{count} frames are known; none is called nearly like it");
+                let _ = writeln!(text, "{count} frames are known; none has a similar name");
             } else {
-                let _ = writeln!(text, "known frames that are called nearly like it: {}", near.join(", "));
+                let _ = writeln!(text, "known frames with similar names: {}", near.join(", "));
             }
         }
         LookupError::NotConnected { target, source } => {
@@ -167,7 +167,7 @@ fn failure(buffer: &Buffer, error: &LookupError, at_ns: Option<i64>) -> String {
                 let top = top(buffer, frame, at_ns.unwrap_or(0));
                 let _ = writeln!(
                     text,
-                    "`{}` hangs under `{}`",
+                    "`{}` is in the tree of `{}`",
                     shown(frame.as_str()),
                     shown(top.as_str())
                 );
@@ -195,7 +195,7 @@ fn failure(buffer: &Buffer, error: &LookupError, at_ns: Option<i64>) -> String {
     text
 }
 
-/// Known frames with names like this one, the likest first.
+/// Known frames with similar names, the most similar first.
 fn near(buffer: &Buffer, frame: &str) -> Vec<String> {
     let wanted = frame.trim_matches('/').to_lowercase();
     let mut near: Vec<(f64, &FrameId)> = buffer
@@ -215,7 +215,7 @@ fn near(buffer: &Buffer, frame: &str) -> Vec<String> {
         .collect()
 }
 
-/// The frame at the top of the tree that a frame is in at a stamp.
+/// The root of the tree of a frame at a timestamp.
 fn top(buffer: &Buffer, frame: &FrameId, stamp_ns: i64) -> FrameId {
     let parents: std::collections::BTreeMap<&FrameId, FrameId> = buffer
         .edges_at(stamp_ns)
@@ -223,7 +223,7 @@ fn top(buffer: &Buffer, frame: &FrameId, stamp_ns: i64) -> FrameId {
         .filter_map(|(child, edge)| Some((child, edge.ok()?.parent)))
         .collect();
     let mut at = frame;
-    // A loop has no top: after as many steps as there are edges, any frame of it will do.
+    // A cycle has no root: after as many steps as there are edges, any frame of it is returned.
     for _ in 0..parents.len() {
         match parents.get(at) {
             Some(parent) => at = parent,

@@ -1,32 +1,32 @@
-//! Where the frames of a drawing stand: columns by depth, rows so that a parent stands between its children.
+//! The positions of frames in a drawing: columns by depth, rows so that a parent is between its children.
 //!
-//! Owns places in columns and half rows; must not know sizes or looks. Deterministic, and without recursion: input decides
-//! how deep a tree is.
+//! Positions are columns and half rows, without sizes or looks. Deterministic, and without recursion: inputs may be of any
+//! depth.
 
 use std::collections::BTreeMap;
 
 use super::sketch::Sketch;
 
-/// A frame with its place.
+/// A frame with its position.
 pub(super) struct Laid {
     /// Its number in the sketch.
     pub(super) frame: usize,
     /// Column, from the root on.
     pub(super) depth: usize,
-    /// Place from the top, in half rows.
+    /// Position from the top, in half rows.
     pub(super) half_row: u32,
-    /// Place of the parent it is drawn under, in the same list; `None` for roots.
+    /// Index of the parent it is drawn under, in the same list; `None` for roots.
     pub(super) parent: Option<usize>,
-    /// The edge to that parent, by its place in the sketch.
+    /// The edge to that parent, by its index in the sketch.
     pub(super) edge: Option<usize>,
 }
 
 /// Frames that are connected.
 #[derive(Default)]
 pub(super) struct Tree {
-    /// Its frames; parents stand before their children.
+    /// Its frames; parents come before their children.
     pub(super) frames: Vec<Laid>,
-    /// Edges, by their places in the sketch, that are not drawn between a frame and the parent it stands under.
+    /// Edges, by their indices in the sketch, that are not between a frame and the parent it is drawn under.
     pub(super) others: Vec<usize>,
     /// Height, in half rows.
     pub(super) half_rows: u32,
@@ -73,7 +73,7 @@ fn tree(members: &[usize], below: &BTreeMap<usize, Vec<(usize, usize)>>, has_par
     let is_root = |frame: &usize| !has_parent.get(*frame).copied().unwrap_or(false);
     let mut tree = Tree::default();
     let mut place: BTreeMap<usize, usize> = BTreeMap::new();
-    // What no root leads to hangs on a cycle, and is opened at its first name.
+    // Frames that no root leads to are on a cycle, which is opened at its first name.
     let roots = members.iter().filter(|frame| is_root(frame));
     for start in roots.chain(members) {
         let mut stack = vec![(*start, None, None, 0)];
@@ -100,8 +100,8 @@ fn tree(members: &[usize], below: &BTreeMap<usize, Vec<(usize, usize)>>, has_par
     tree
 }
 
-/// Leaves take the next row; parents the middle of their first and last child. Children stand behind their parents in the
-/// list, so one pass from the end suffices.
+/// Leaves take the next row; parents the middle of their first and last child. Children come after their parents in the list, so
+/// one pass from the end suffices.
 fn place_rows(tree: &mut Tree) {
     let mut children: Vec<Option<(u32, u32)>> = vec![None; tree.frames.len()];
     let mut has_children = vec![false; tree.frames.len()];

@@ -23,9 +23,9 @@ pub(super) struct Statement {
     pub(super) who: String,
     /// `parent_from_child`: constant, or the zero position or first sample of a moving one.
     pub(super) parent_from_child: Option<Isometry3<f64>>,
-    /// Whether the pose holds for as long as was seen.
+    /// Whether the pose never changed.
     pub(super) constant: bool,
-    /// What kind of pose it is, where it is not constant.
+    /// The kind of pose, if it is not constant.
     pub(super) moment: &'static str,
     /// How it differs from the first constant statement.
     pub(super) differs: Option<String>,
@@ -40,7 +40,7 @@ pub(super) struct Link {
 pub(super) struct Links<'a> {
     pub(super) of: BTreeMap<(&'a FrameId, &'a FrameId), Link>,
     children: BTreeMap<&'a FrameId, Vec<&'a FrameId>>,
-    /// What files state of frames that are not parent and child: `` `camera` from `lidar` `` with where.
+    /// Transforms in files between frames that are not parent and child: `` `camera` from `lidar` `` with its place.
     pub(super) beside: BTreeMap<String, Vec<String>>,
 }
 
@@ -96,7 +96,7 @@ impl<'a> Links<'a> {
     }
 }
 
-/// Adds the statements of calibration files to the edges they are about, and returns the others.
+/// Adds the statements of calibration files to their edges, and returns the others.
 fn calibrations<'a>(
     world: &'a World,
     names: &Names,
@@ -200,7 +200,7 @@ fn joint_statement(claim: &Claim, edge: &Edge, types: &BTreeMap<(SourceId, &str)
 fn tf_statement(path: &str, tf: &TfEdge, edge: &Edge, times: &str) -> Statement {
     let rate = if tf.is_static { None } else { rate_hz(tf) };
     let rate = rate.map_or_else(String::new, |hz| format!(" {} Hz", number(hz, 2)));
-    // A joint publisher repeats fixed joints on /tf: what never moved can be compared.
+    // A joint publisher repeats fixed joints on /tf: a transform that never moved can be compared.
     let still = tf
         .extreme
         .as_ref()
@@ -214,7 +214,7 @@ fn tf_statement(path: &str, tf: &TfEdge, edge: &Edge, times: &str) -> Statement 
     }
 }
 
-/// From the median step, which gaps and sampling do not move; else from the whole length.
+/// From the median step, which gaps and sampling do not change; else from the whole duration.
 fn rate_hz(tf: &TfEdge) -> Option<f64> {
     let step_ns = tf
         .stamps

@@ -7,7 +7,7 @@ use crate::run::Run;
 use super::label;
 use super::sketch::sketches;
 
-/// A flowchart: solid edges are constant, dotted ones move, `!` marks disputed ones; frames outside every tree stand alone.
+/// A flowchart: solid edges are constant, dotted ones move, `!` marks disputed ones; frames outside every tree are unconnected.
 pub fn render(run: &Run) -> String {
     let mut out = "flowchart TD\n".to_owned();
     let sketches = sketches(run);
@@ -32,7 +32,7 @@ pub fn render(run: &Run) -> String {
             let _ = writeln!(
                 out,
                 "  w{index}o{number}([{}])",
-                quoted(&format!("{frame} (in no tree)"))
+                quoted(&format!("{frame} (not in a tree)"))
             );
         }
         if several {

@@ -1,6 +1,6 @@
-//! The frame tree of a run with who says what: text, Graphviz and Mermaid.
+//! The frame tree of a run with the sources of transforms: text, Graphviz, Mermaid and SVG.
 //!
-//! Owns the words that the drawings share. Shows and judges nothing: the mark on sources that differ is for the eye.
+//! Owns the words that the drawings share. Does not judge: the mark on sources that differ is only a visual aid.
 
 pub mod chain;
 pub mod dot;
@@ -28,10 +28,10 @@ use super::place::Locator;
 use super::text::{one_line, trimmed};
 use links::{Link, Links};
 
-/// Short names of the sources of one world: paths without the folder they all lie in, which is said once.
+/// Short names of the sources of one world: paths without their common folder, which is shown once.
 struct Names<'a> {
     locator: &'a Locator<'a>,
-    /// The folder with its last slash; empty where there is none in common.
+    /// The common folder with its last slash; empty if there is none.
     folder: String,
 }
 
@@ -89,8 +89,8 @@ fn pose_words(parent_from_child: &Isometry3<f64>) -> String {
     format!("xyz {xyz} m, rpy {rpy} deg")
 }
 
-/// Frames that are named somewhere but stand in no tree, each with where: first those of messages, then those of files.
-/// Frames of a calibration that is shown itself are left out.
+/// Frames that are named somewhere but are not in a tree, each with its places: first those of messages, then those of files.
+/// Frames of a calibration that is shown itself are omitted.
 fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<String>>; 2] {
     let mut found = [BTreeMap::new(), BTreeMap::new()];
     let frames: &BTreeSet<FrameId> = &world.whole().frames;
@@ -124,7 +124,7 @@ fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<Stri
     found
 }
 
-/// What a world is called: its robots, or its first sources, and their folder.
+/// The title of a world: its robots, or its first sources, and their folder.
 fn title(world: &World, names: &Names) -> String {
     let robots: BTreeSet<&str> = world
         .robots
@@ -142,14 +142,14 @@ fn title(world: &World, names: &Names) -> String {
     if more > 0 {
         let _ = write!(title, " and {more} more");
     }
-    // The folder of all platforms is said at the end.
+    // The folder of all platforms is shown at the end.
     if !names.folder.is_empty() && names.folder != names.locator.folder() {
         let _ = write!(title, " in {}", names.folder);
     }
     one_line(&title)
 }
 
-/// Who states an edge, a line for each; `mark` stands before those that differ.
+/// The sources of an edge, a line for each; `mark` precedes those that differ.
 fn label(link: &Link, mark: &str) -> String {
     let lines: Vec<String> = link
         .statements
@@ -162,7 +162,7 @@ fn label(link: &Link, mark: &str) -> String {
     lines.join("\n")
 }
 
-/// Worlds that hold any frame.
+/// Worlds with frames.
 fn worlds(run: &Run) -> impl Iterator<Item = &World> {
     run.worlds
         .iter()

@@ -1,4 +1,4 @@
-//! The frame trees at one stamp: which edges hold then, what they were made from, and which do not.
+//! The frame trees at one timestamp: which edges exist then, what they were made from, and which do not exist.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -14,10 +14,10 @@ use super::super::text::{one_line, stamp};
 use super::origin::{age, rooms, seconds, who};
 use super::{Names, pose_words, shown, title};
 
-/// Deeper frames are not indented further.
+/// Maximum depth of indentation.
 const MAX_INDENT: usize = 24;
 
-/// The trees of every world and namespace at a stamp.
+/// The trees of every world and namespace at a timestamp.
 pub fn render(run: &Run, at_ns: i64, style: Style) -> String {
     let locator = Locator::inside(&run.sources);
     let rooms = rooms(run);
@@ -61,7 +61,7 @@ fn room(world: &World, namespace: &str, at_ns: i64, names: &Names<'_>, style: St
         said
     };
     let mut opened: BTreeSet<FrameId> = BTreeSet::new();
-    // Frames on a loop hang under no root.
+    // Frames on a cycle have no root.
     let looped = below.iter();
     for (start, is_loop) in roots
         .into_iter()
@@ -71,11 +71,11 @@ fn room(world: &World, namespace: &str, at_ns: i64, names: &Names<'_>, style: St
         if opened.contains(start) || (!is_loop && !children.contains_key(start)) {
             continue;
         }
-        let note = if is_loop { "  ! parents go round in a cycle" } else { "" };
+        let note = if is_loop { "  ! the parents form a cycle" } else { "" };
         let _ = writeln!(out, "{}{note}", style.paint(Ink::Strong, &shown(start.as_str())));
         opened.insert(start.clone());
         let mut stack = vec![(start.clone(), String::new(), 0, 0)];
-        // Frame, what stands before its children, depth, and how many of them are written.
+        // Frame, prefix of its children, depth, and the number of children already written.
         while let Some((frame, indent, depth, written)) = stack.pop() {
             let edges = children.get(&frame).map_or(&[][..], Vec::as_slice);
             let Some(edge) = edges.get(written) else { continue };
@@ -106,7 +106,10 @@ fn room(world: &World, namespace: &str, at_ns: i64, names: &Names<'_>, style: St
         let _ = writeln!(
             out,
             "\n{}",
-            style.paint(Ink::Strong, "Without a parent then, with one at other times")
+            style.paint(
+                Ink::Strong,
+                "Without a parent at this time, but with one at other times"
+            )
         );
     }
     for (child, what) in silent {

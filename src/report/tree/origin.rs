@@ -1,4 +1,4 @@
-//! Where an edge of a buffer comes from, and how old it is, in words.
+//! The source and the age of an edge, in words.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::world::{Claim, ClaimKind, World};
 use super::super::text::{one_line, trimmed};
 use super::Names;
 
-/// The worlds of a run with the namespaces of their TF; `/` where nothing was recorded.
+/// The worlds of a run with the namespaces of their TF; `/` if nothing was recorded.
 pub(super) fn rooms(run: &Run) -> Vec<(&World, &str)> {
     let mut rooms = Vec::new();
     for world in super::worlds(run) {
@@ -44,7 +44,7 @@ pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names:
     one_line(&said.unwrap_or_default())
 }
 
-/// How many transforms of an edge were kept, of how many, where the value between two of them passes over others.
+/// How many transforms of an edge were kept, and of how many, if a value was interpolated across dropped ones.
 pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> Option<(usize, u64)> {
     let MadeFrom::Between(..) = factor.made_from else {
         return None;
@@ -56,7 +56,7 @@ pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) ->
     (edge.count > edge.samples.len() as u64).then_some((edge.samples.len(), edge.count))
 }
 
-/// How many other statements of launch files put the child of a published edge elsewhere: one of them is started, and which is not known.
+/// The number of other launch file statements that place the child of a published edge elsewhere: which one is started is unknown.
 pub(super) fn rivals(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> usize {
     let Some(EdgeOrigin::Published(index)) = origins.get(factor.tags.0) else {
         return 0;
@@ -76,9 +76,9 @@ pub(super) fn rivals(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> 
 pub(super) fn age(made_from: MadeFrom, stamp_ns: i64) -> String {
     match made_from {
         MadeFrom::Static => "static".to_owned(),
-        MadeFrom::Sample(at) if at == stamp_ns || stamp_ns == 0 => "a sample of this stamp".to_owned(),
+        MadeFrom::Sample(at) if at == stamp_ns || stamp_ns == 0 => "a sample at this timestamp".to_owned(),
         MadeFrom::Sample(at) => format!(
-            "{} s old: the parent changes after it",
+            "{} s old: the parent changes afterwards",
             seconds(stamp_ns.saturating_sub(at))
         ),
         MadeFrom::Between(before, after) => format!(
@@ -89,7 +89,7 @@ pub(super) fn age(made_from: MadeFrom, stamp_ns: i64) -> String {
     }
 }
 
-/// A length of time, to the tenth of a millisecond.
+/// A duration, to a tenth of a millisecond.
 pub(super) fn seconds(ns: i64) -> String {
     trimmed(&format!("{:.4}", ns as f64 / 1e9))
 }

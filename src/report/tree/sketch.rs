@@ -1,6 +1,6 @@
-//! What every drawing draws: the frames of each world with numbers, its edges, and the frames outside of every tree.
+//! The content of every drawing: the frames of each world with numbers, its edges, and the frames outside of every tree.
 //!
-//! Owns the one walk over worlds that Graphviz, Mermaid and SVG share. Must not know how anything looks.
+//! Owns the walk over worlds that Graphviz, Mermaid and SVG share. Independent of their looks.
 
 use std::collections::BTreeMap;
 
@@ -12,9 +12,9 @@ use super::{Names, outsiders, shown, title, worlds};
 
 /// One world.
 pub(super) struct Sketch {
-    /// What it is called.
+    /// Its title.
     pub(super) title: String,
-    /// Names of the frames, for people; a frame's number is its place here.
+    /// Names of the frames, for people; a frame's number is its index here.
     pub(super) frames: Vec<String>,
     /// Edges from parent to child, by their numbers, in the order of the names.
     pub(super) edges: Vec<Edge>,
@@ -22,14 +22,14 @@ pub(super) struct Sketch {
     pub(super) outside: Vec<(String, Vec<String>)>,
 }
 
-/// One edge with who states it.
+/// One edge with its sources.
 pub(super) struct Edge {
     pub(super) parent: usize,
     pub(super) child: usize,
     pub(super) link: Link,
 }
 
-/// The worlds of a run that name any frame.
+/// The worlds of a run that have frames.
 pub(super) fn sketches(run: &Run) -> Vec<Sketch> {
     let locator = Locator::inside(&run.sources);
     worlds(run)

@@ -13,13 +13,13 @@ const MARGIN: u32 = 24;
 const ROW: u32 = 66;
 const BOX: u32 = 50;
 const COLUMN_GAP: u32 = 64;
-/// How far a child stands to the right of its parent, where each frame has a row of its own.
+/// Indent of a child from its parent, if each frame has its own row.
 const STEP: u32 = 30;
 const HEADING: u32 = 34;
 /// Characters of a line in a box; the whole text is in its tooltip.
 const LONGEST: usize = 46;
 
-/// Light first, for programs that know no media queries; what dark changes follows.
+/// Light first, for programs without media queries; then the changes for dark.
 const LOOK: &str = "\
 text { font: 10px ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace; fill: #57606a }
 .paper { fill: #ffffff }
@@ -46,7 +46,7 @@ text { fill: #9198a1 }
 }
 ";
 
-/// The drawing: roots at the left, a tree below the other, the largest first. Solid edges are constant, dashed ones move,
+/// The drawing: roots at the left, one tree below the other, the largest first. Solid edges are constant, dashed ones move,
 /// red ones are disputed, dotted red ones lead to a frame that is drawn under another parent.
 pub fn render(run: &Run) -> String {
     let Drawing {
@@ -59,7 +59,7 @@ pub fn render(run: &Run) -> String {
     )
 }
 
-/// The drawing without what makes it a file: for a page that says how its classes look.
+/// The drawing without its file header: for a page that defines the look of its classes.
 pub(in crate::report) struct Drawing {
     pub(in crate::report) width: u32,
     pub(in crate::report) height: u32,
@@ -71,8 +71,7 @@ pub(in crate::report) struct Drawing {
 }
 
 impl Drawing {
-    /// From where to where the drawing reaches on each sheet, of this height at most, so that no box is cut; a stretch in which every
-    /// place cuts a box stays whole.
+    /// The range of the drawing on each sheet, of this height at most, so that no box is cut; a range without such a cut stays whole.
     pub(in crate::report) fn sheets(&self, most: u32) -> Vec<(u32, u32)> {
         let mut sheets = Vec::new();
         let mut from = 0;
@@ -91,8 +90,7 @@ impl Drawing {
     }
 }
 
-/// Draws the worlds of a run. A tree that is wider than `widest` has a row for each frame, children below their parents and a step to
-/// the right.
+/// Draws the worlds of a run. A tree wider than `widest` has a row for each frame, with children below their parents and indented.
 pub(in crate::report) fn drawing(run: &Run, widest: Option<u32>) -> Drawing {
     let sketches = sketches(run);
     let mut page = Page {
@@ -124,7 +122,7 @@ pub(in crate::report) fn drawing(run: &Run, widest: Option<u32>) -> Drawing {
     }
 }
 
-/// What is drawn so far, and how far it reaches.
+/// The drawing so far, and its extent.
 struct Page {
     body: String,
     width: u32,
@@ -142,7 +140,7 @@ fn world(sketch: &Sketch, page: &mut Page) {
         draw(sketch, tree, page);
     }
     if !sketch.outside.is_empty() {
-        page.heading("Named, but in no tree");
+        page.heading("Named, but not in a tree");
     }
     for (name, places) in &sketch.outside {
         let node = Node {
@@ -156,7 +154,7 @@ fn world(sketch: &Sketch, page: &mut Page) {
     }
 }
 
-/// What stands in a frame's box.
+/// The content of a frame's box.
 struct Node {
     class: &'static str,
     /// The name, and up to two lines of small print.
@@ -236,7 +234,7 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
             page.y += ROW;
             place
         } else {
-            // Rows count in halves: a parent stands between its children.
+            // Rows count in halves: a parent is between its children.
             let left = columns.get(laid.depth).copied().unwrap_or(MARGIN);
             (left, top + laid.half_row * ROW / 2)
         });
@@ -250,7 +248,7 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
         if let (Some((from, to)), Some(edge)) = (ends, laid.edge.and_then(|edge| sketch.edges.get(edge))) {
             let class = class(edge);
             if is_stepped {
-                // What lies before the child is of its sisters, too.
+                // The part before the child is shared with its siblings.
                 let ((x1, y1), (x2, y2)) = (from.0, to.0);
                 let (x1, y2) = (x1 + STEP / 2, y2 + BOX / 2);
                 page.edge("edge", &format!("M{x1} {}V{y2}", y1 + BOX));
@@ -326,7 +324,7 @@ impl Page {
             escaped(&node.whole),
             node.class
         );
-        // A name alone stands in the middle.
+        // A name alone is centred.
         let first = if node.lines.len() == 1 { y + 30 } else { y + 18 };
         for (line, baseline) in node.lines.iter().zip([first, y + 31, y + 43]) {
             let class = if baseline == first { " class=\"name\"" } else { "" };
@@ -376,7 +374,7 @@ fn shortened(text: &str) -> String {
     short
 }
 
-/// Text for XML: what has a meaning there is escaped, what may not stand there is replaced.
+/// Text for XML: special characters are escaped, forbidden ones are replaced.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

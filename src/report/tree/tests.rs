@@ -64,7 +64,7 @@ odom
           drive.mcap /tf_static ×1  ! differs by 90 deg, 0.1 m: xyz 0.3 0.1 1.2 m, rpy 0 0 0 deg
           calib.yaml:1 lidar_from_base (calibration)
 
-Stated by files, not an edge of the tree
+Transforms stated by files, not edges of the tree
   `cam0` from `cam1`  calib.yaml free
 "
     );
@@ -121,7 +121,7 @@ r
        a.mcap /tf_static ×1
    └─ d  identity
           a.mcap /tf_static ×1
-! no root, parents go round in a cycle: a → b → a
+! no root: the parents form a cycle: a → b → a
 a
 └─ b  identity
        a.mcap /tf_static ×1
@@ -138,11 +138,11 @@ x
 └─ x  identity  [! cycle: leads back to itself]
        a.mcap /tf_static ×1
 
-Named by messages, not in the tree
+Frames of messages, not in the tree
   (empty name)  a.mcap /scan (message header)
   gps  a.mcap /fix (message header)
 
-Named by files, not in the tree
+Frames of files, not in the tree
   cam  a.mcap (named in a file)
 "
     );
@@ -178,7 +178,7 @@ fn names_cannot_break_the_drawings() {
         "{mermaid}"
     );
     assert!(!draw(&run).contains('\u{1b}'));
-    assert_eq!(draw(&Run::default()), "No frames: nothing that was read names one.\n");
+    assert_eq!(draw(&Run::default()), "No frames: the inputs contain none.\n");
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_drawing_shows_every_frame_and_every_edge_once() {
     for tree in &trees {
         for (place, laid) in tree.frames.iter().enumerate() {
             assert!(laid.half_row + 2 <= tree.half_rows);
-            // Boxes of one column do not overlap, and a child stands right of its parent.
+            // Boxes of one column do not overlap, and a child is right of its parent.
             let clash = |other: &layout::Laid| other.depth == laid.depth && other.half_row.abs_diff(laid.half_row) < 2;
             assert!(!tree.frames[..place].iter().any(clash), "{}", laid.frame);
             assert!(

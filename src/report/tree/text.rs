@@ -13,7 +13,7 @@ use super::super::style::Ink;
 use super::super::text::{one_line, plural};
 use super::{Link, Links, Names, outsiders, pose_words, shown, title, worlds};
 
-/// Deeper frames are not indented further: a chain of thousands of frames stays readable, and small.
+/// Maximum depth of indentation: a chain of thousands of frames stays readable, and small.
 const MAX_INDENT: usize = 24;
 
 /// The trees of all worlds.
@@ -32,7 +32,7 @@ pub fn render(run: &Run, style: Style) -> String {
         world_text(world, &names, style, &mut out);
     }
     if out.is_empty() {
-        out.push_str("No frames: nothing that was read names one.\n");
+        out.push_str("No frames: the inputs contain none.\n");
     } else if !locator.folder().is_empty() {
         let _ = writeln!(
             out,
@@ -62,10 +62,15 @@ fn world_text(world: &World, names: &Names, style: Style, out: &mut String) {
         }
         .component(component, out);
     }
-    list("Stated by files, not an edge of the tree", &links.beside, style, out);
+    list(
+        "Transforms stated by files, not edges of the tree",
+        &links.beside,
+        style,
+        out,
+    );
     let [messages, files] = outsiders(world, names);
-    list("Named by messages, not in the tree", &messages, style, out);
-    list("Named by files, not in the tree", &files, style, out);
+    list("Frames of messages, not in the tree", &messages, style, out);
+    list("Frames of files, not in the tree", &files, style, out);
 }
 
 /// An empty line between parts.
@@ -91,7 +96,7 @@ fn list<K: AsRef<str>>(heading: &str, frames: &BTreeMap<K, Vec<String>>, style: 
     }
 }
 
-/// One walk over a component, with its own stack: input decides how deep it goes.
+/// One walk over a component, with its own stack: inputs may be of any depth.
 struct Walk<'a> {
     world: &'a World,
     links: &'a Links<'a>,
@@ -104,7 +109,7 @@ enum Step<'a> {
     Enter {
         frame: &'a FrameId,
         parent: Option<&'a FrameId>,
-        /// What stands before the children of the parent.
+        /// The prefix of the children of the parent.
         indent: String,
         depth: usize,
         last: bool,
@@ -117,7 +122,7 @@ impl<'a> Walk<'a> {
         for root in &component.roots {
             self.from(root, out);
         }
-        // What no root leads to hangs on a cycle.
+        // Frames that no root leads to are on a cycle, or below one.
         if component.members.iter().all(|frame| self.opened.contains(frame)) {
             return;
         }
@@ -126,7 +131,7 @@ impl<'a> Walk<'a> {
             if let Some(start) = start.filter(|start| !self.opened.contains(start)) {
                 let arrow = self.style.pick(" → ", " -> ");
                 let names: Vec<String> = cycle.iter().chain(cycle.first()).map(|f| shown(f.as_str())).collect();
-                let warning = format!("! no root, parents go round in a cycle: {}", names.join(arrow));
+                let warning = format!("! no root: the parents form a cycle: {}", names.join(arrow));
                 let _ = writeln!(out, "{}", self.style.paint(Ink::Error, &warning));
                 self.from(start, out);
             }
@@ -179,7 +184,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Writes a frame and who states its edge; returns what stands before its children.
+    /// Writes a frame and the sources of its edge; returns the prefix of its children.
     fn line(
         &self,
         frame: &'a FrameId,
@@ -231,7 +236,7 @@ impl<'a> Walk<'a> {
         below
     }
 
-    /// What is odd about the frame under this parent.
+    /// Anomalies of the frame under this parent.
     fn note(&self, frame: &FrameId, parent: &FrameId) -> String {
         let mut notes = Vec::new();
         if self.path.contains(frame) {

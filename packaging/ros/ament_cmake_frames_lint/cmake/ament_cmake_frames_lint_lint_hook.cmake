@@ -1,4 +1,4 @@
-# What states where frames are, or says how to check them.
+# Files that state transforms, or configure frames-lint.
 file(GLOB_RECURSE _frames_lint_files FOLLOW_SYMLINKS
   "*.urdf" "*.xacro" "*.sdf" "frames-lint.yaml")
 if(_frames_lint_files)

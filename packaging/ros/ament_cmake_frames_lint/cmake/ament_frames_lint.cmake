@@ -7,7 +7,7 @@
 # :type CONFIG: string
 # :param PROFILE: the profile of rules, default: that of the configuration
 # :type PROFILE: string
-# :param ARGN: files and folders that belong together, default: the package
+# :param ARGN: files and folders to check together, default: the package
 # :type ARGN: list of strings
 #
 # @public

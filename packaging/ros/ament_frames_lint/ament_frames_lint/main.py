@@ -1,4 +1,4 @@
-"""`ament_frames_lint`: the program frames-lint, called as ament calls linters."""
+"""`ament_frames_lint`: runs frames-lint with the interface of ament linters."""
 
 import argparse
 import importlib.util
@@ -10,7 +10,7 @@ import tempfile
 
 
 def program():
-    """The call of frames-lint: on PATH, or the Python package of that name; `None` where it is not installed."""
+    """The command of frames-lint: on PATH, or its Python package; `None` if it is not installed."""
     found = shutil.which('frames-lint')
     if found:
         return [found]
@@ -20,19 +20,19 @@ def program():
 
 
 def main(argv=None):
-    """Checks `paths` together; exit code 0 where they are clean, 1 with findings, 3 where too little could be read."""
+    """Checks `paths` together; exit code 0 if they are clean, 1 with findings, 3 if incomplete."""
     parser = argparse.ArgumentParser(
         description='Check the coordinate frames of URDF, xacro, calibration and launch files with frames-lint.',
         epilog='Further options are those of `frames-lint check`, as --name=value.',
     )
-    parser.add_argument('paths', nargs='*', default=[os.curdir], help='files and folders that belong together')
-    parser.add_argument('--xunit-file', help='where to write a report in the form of xUnit')
-    parser.add_argument('--config', help='the configuration; else the nearest frames-lint.yaml')
-    parser.add_argument('--profile', help='the profile of rules: ci, pre-survey or dataset-acceptance')
+    parser.add_argument('paths', nargs='*', default=[os.curdir], help='files and folders to check together (default: current folder)')
+    parser.add_argument('--xunit-file', help='file for an xUnit report')
+    parser.add_argument('--config', help='configuration (default: the nearest frames-lint.yaml)')
+    parser.add_argument('--profile', help='profile: ci, pre-survey or dataset-acceptance')
     args, further = parser.parse_known_args(argv)
     call = program()
     if call is None:
-        print('frames-lint is not installed: `pip install frames-lint`', file=sys.stderr)
+        print('frames-lint is not installed: run `pip install frames-lint`', file=sys.stderr)
         return 2
     call += ['check', '--format', 'concise', *further]
     if args.config:
@@ -43,7 +43,7 @@ def main(argv=None):
         return subprocess.call([*call, '--', *args.paths])
     folder = os.path.dirname(os.path.abspath(args.xunit_file))
     os.makedirs(folder, exist_ok=True)
-    # ament has put a result there that says "no result"; frames-lint replaces no file that it did not write.
+    # ament has written a placeholder result there; frames-lint does not overwrite files that it did not write.
     with tempfile.TemporaryDirectory(dir=folder) as inside:
         written = os.path.join(inside, 'xunit.xml')
         code = subprocess.call([*call, '--output', 'junit=' + written, '--', *args.paths])

@@ -1,4 +1,4 @@
-"""The markers of the linter's test, as ament's own linters have them."""
+"""The markers of the linter's test, as in ament's own linters."""
 
 
 def pytest_configure(config):
