@@ -275,7 +275,7 @@ fn the_settings_of_a_file_are_shown() {
     let show = |file: &str| run(folder.path(), ["check", "--show-settings", file]);
     let none = show("a/car.urdf").text();
     assert!(
-        none.starts_with("configuration  none\n") && none.contains("nearest above its recordings"),
+        none.starts_with("configuration  none\n") && none.contains("the nearest configuration above their recordings"),
         "{none}"
     );
     fs::write(folder.path().join("frames-lint.yaml"), "rules: {ignore: [NAME01]}\n").unwrap();

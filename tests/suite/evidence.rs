@@ -326,7 +326,7 @@ fn what_is_no_evidence_is_refused_with_its_place() {
         ("empty", String::new(), "line 1 column 0"),
         ("garbage", "\u{7f}ELF".to_owned(), "line 1 column 1"),
         ("list", "[1, 2]".to_owned(), "line 1 column"),
-        ("other", "{\"a\": 1}".to_owned(), "does not say"),
+        ("other", "{\"a\": 1}".to_owned(), "is missing"),
         (
             "newer",
             good.replace("evidence/1", "evidence/2"),

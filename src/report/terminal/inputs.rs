@@ -19,6 +19,8 @@ const MAX_PROBLEMS: usize = 10;
 /// More kinds of skipped files are only counted.
 const MAX_SKIPPED: usize = 12;
 
+/// More platforms are only counted.
+const MAX_PLATFORMS: usize = 3;
 /// More inputs are only counted, unless all checks are listed.
 const MAX_TAKEN: usize = 20;
 /// More inputs without content are only counted, unless all checks are listed.
@@ -166,6 +168,29 @@ pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
         let _ = writeln!(out, "  {}: {}", one_line(&source.path), parts.join(", "));
     }
     out.push('\n');
+}
+
+/// The platforms, if there are several: their files are not compared with each other.
+pub(super) fn judged_apart(run: &Run, style: Style, out: &mut String) {
+    if run.platforms.len() < 2 || !run.recordings.is_empty() {
+        return;
+    }
+    heading(style, "Judged apart", run.platforms.len(), "platform", out);
+    let named: Vec<String> = run
+        .platforms
+        .iter()
+        .take(MAX_PLATFORMS)
+        .map(|label| one_line(label))
+        .collect();
+    let more = match run.platforms.len().saturating_sub(MAX_PLATFORMS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let words = format!(
+        "{}{more}: their files are not compared with each other; to compare them, check the folder above them instead",
+        named.join(", ")
+    );
+    let _ = writeln!(out, "{}\n", wrap(&words, style.width, "  ", "  "));
 }
 
 /// How much of a source was read: bytes, messages, and time in windows.

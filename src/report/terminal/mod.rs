@@ -85,6 +85,7 @@ pub fn render(run: &Run, options: &Options) -> String {
     inputs::taken(run, options, &locator, &mut out);
     inputs::partly_examined(run, options.style, &mut out);
     inputs::skipped(run, options, &mut out);
+    inputs::judged_apart(run, options.style, &mut out);
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
     recordings::table(run, options.style, &mut out);

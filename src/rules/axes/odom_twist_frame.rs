@@ -82,19 +82,16 @@ fn fail_pose(
     } else {
         (best.0.words(), best.0.word(), best.0.help())
     };
-    let message = format!(
-        "`{}`: {words} (corrected, it matches the velocity to {:.1} %)",
-        stream.topic,
-        100.0 * best.1
-    );
+    let message = format!("`{}`: {words}", stream.topic);
     let measured = |reading: (Reading, f64)| {
         Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
             .limit(limits.max_residual)
             .samples(twists.windows)
     };
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(format!(
-        "As published, the velocity leaves {:.0} % of the pose's motion unexplained, and no other reading of the velocity explains it.",
-        100.0 * as_defined
+        "As published, {:.0} % of the pose's motion contradicts the velocity; corrected, {:.1} %. No other reading of the velocity explains it.",
+        100.0 * as_defined,
+        100.0 * best.1
     ));
     out.fail(
         stream

@@ -309,7 +309,7 @@ fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limit
     let (relation, message, detail) = if is_sure {
         (
             "doppler-sign",
-            format!("{name} has the wrong sign: positive for approaching objects"),
+            format!("{} has the wrong sign: positive for approaching objects", radar.said.subject()),
             "Detections are found again in later scans where the opposite sign puts them.".to_owned(),
         )
     } else {

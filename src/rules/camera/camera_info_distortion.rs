@@ -187,11 +187,11 @@ fn miscounted(published: &Intrinsics, subject: String, counts: &[usize]) -> Find
         .into_iter()
         .find(|other| other != model && self::counts(other).is_some_and(|counts| counts.contains(&d.len())));
     let message = format!(
-        "the model {} is {model} with {} coefficients, but there are {}{}",
+        "the model {} is {model} ({} coefficients), but there are {}{}",
         published.whose,
         several.join(" or "),
         d.len(),
-        other.map_or(String::new(), |other| format!(", as {other} has"))
+        other.map_or(String::new(), |other| format!(" as in {other}"))
     );
     Finding::error(subject, message, published.place.clone())
         .relation("count")

@@ -55,7 +55,7 @@ fn deviation([a, b, c, d]: [f64; 4]) -> Measured {
 
 fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
     let message = format!(
-        "matrix `{}` is stored transposed: the translation is in its bottom row, not in the last column",
+        "matrix `{}` is stored transposed: the translation is in its bottom row",
         parts.claim.label
     );
     let finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())

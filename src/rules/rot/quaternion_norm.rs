@@ -87,7 +87,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tal
     if let Some(example) = edge.denormalized.examples.first() {
         let norm = quaternion_norm(example.rotation);
         let message = format!(
-            "{} of {} transforms {subject} have a quaternion of norm {norm:.4}; ROS 1 drops them",
+            "{} of {} transforms {subject} have the norm {norm:.4}; ROS 1 drops them",
             edge.denormalized.count, edge.count
         );
         let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))

@@ -110,7 +110,7 @@ fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pair
             let (factor, unit) = unit.filter(|_| there.norm() >= 1e-3)?;
             let parallel = here.dot(&there) >= 0.999 * here.norm() * there.norm();
             let message = format!(
-                "the translation of {} is in {unit}, not metres: {factor} times that of the other source",
+                "the translation of {} is in {unit}: {factor} times that of the other source",
                 stated.name
             );
             let finding = Finding::error(subject(world, source, stated), message, stated.place.clone());

@@ -150,7 +150,7 @@ fn judge_statement(
     );
     let (roll, pitch, yaw) = expected.rotation.euler_angles();
     let message = format!(
-        "`{}`: `{}_from_{}` {what} the {name} transform ({off:.0} deg off)",
+        "`{}`: `{}_from_{}` {what} the {name} transform",
         world.path(statement.place.source),
         statement.target,
         statement.source_frame
@@ -159,7 +159,7 @@ fn judge_statement(
         .likely()
         .confidence(statement.reading)
         .relation(relation)
-        .detail(format!("Stated by {}.{why}", statement.who))
+        .detail(format!("Stated by {}, {off:.0} deg off.{why}", statement.who))
         .help(format!(
             "convert it to about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
             roll.to_degrees(),

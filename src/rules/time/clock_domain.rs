@@ -137,7 +137,7 @@ fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
 
 fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
     let message = format!(
-        "{}: stamps are near {stamp_s:.1} s, but the log clock shows calendar time",
+        "{}: stamps are near {stamp_s:.1} s, the log clock is calendar time",
         stream.subject
     );
     Finding::error(stream.subject.clone(), message, stream.place())

@@ -115,6 +115,15 @@ fn wrong_unit(stream: &Stream<'_>, factor: f64, words: &str, log_s: f64, measure
         .measured(Measured::new("stamp / log time", ratio, "1"))
 }
 
+/// A cause without its alternative and without its number, which stand in the detail.
+fn brief(cause: &str) -> &str {
+    let first = cause.split(", or ").next().unwrap_or(cause);
+    match first.rsplit_once(" (") {
+        Some((words, number)) if number.ends_with(')') => words,
+        _ => first,
+    }
+}
+
 fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), measured: Measured) -> Finding {
     let severity = match named.specific {
         Specific::Single => Severity::Error,
@@ -127,10 +136,11 @@ fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), 
         "{}: stamps are {:.2} s {way} {reference}: {}",
         stream.subject,
         measured.value.abs(),
-        named.what,
+        brief(&named.what),
     );
     Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
+        .detail(format!("Cause: {}.", named.what))
         .help(format!(
             "set the driver's time base to UTC; to repair the recording, add {:+.3} s to these stamps",
             -named.offset_s

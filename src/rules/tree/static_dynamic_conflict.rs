@@ -61,7 +61,7 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let (at, until) = (moving.first_at.clone(), fixed.first_at.clone());
     let parent = fixed.parent.canonical();
     let (one, other) = (&fixed.topic, &moving.topic);
-    let what = format!("`{parent}` -> `{child}` is published on `{one}` and on `{other}`");
+    let what = format!("`{parent}` -> `{child}` is on `{one}` and on `{other}`");
     let same = Same {
         deg: limits.same_deg,
         m: limits.same_m,
