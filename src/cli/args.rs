@@ -309,8 +309,8 @@ pub(super) struct Fixing {
     /// Apply all fixes, including those that change behaviour
     #[arg(long)]
     pub(super) unsafe_fixes: bool,
-    /// Show the fixes as a diff and change no file; with --unsafe-fixes all of them
-    #[arg(long, conflicts_with = "fix")]
+    /// Show the safe fixes as a diff and change no file; with --unsafe-fixes all fixes
+    #[arg(long)]
     pub(super) diff: bool,
 }
 

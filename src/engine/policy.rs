@@ -151,9 +151,13 @@ impl<'a> RunPolicy<'a> {
         });
         judge::judge_policy(&passed.applied, &passed.misspelt, &self.enabled, &mut run.verdict);
         run.unmet = passed.unmet;
+        let has_recording = run.sources.iter().any(|source| source.kind.is_bag());
         for unmet in &mut run.unmet {
             let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);
-            unmet.record = rule.and_then(|rule| crate::tables::recordings::advice(rule.evidence));
+            let kinds = rule.map_or(&[][..], |rule| rule.evidence).iter().copied();
+            // A recording that is there is not asked for.
+            let lacking: Vec<&str> = kinds.filter(|kind| *kind != "recording" || !has_recording).collect();
+            unmet.record = crate::tables::recordings::advice(&lacking);
         }
     }
 

@@ -76,6 +76,7 @@ pub fn render(run: &Run, options: &Options) -> String {
         findings(run, options, &locator, &painter, &mut out);
     }
     if options.parts == Parts::Findings {
+        policy::unmet(run, options.style, &mut out);
         inputs::unread(run, &locator, &painter, options.style, &mut out);
         return out;
     }

@@ -187,13 +187,14 @@ fn miscounted(published: &Intrinsics, subject: String, counts: &[usize]) -> Find
         .into_iter()
         .find(|other| other != model && self::counts(other).is_some_and(|counts| counts.contains(&d.len())));
     let message = format!(
-        "the model {} is {model} ({} coefficients), but there are {}{}",
+        "the model {} is {model} ({} coefficients), but there are {}",
         published.whose,
         several.join(" or "),
-        d.len(),
-        other.map_or(String::new(), |other| format!(" as in {other}"))
+        d.len()
     );
+    let detail = other.map_or(String::new(), |other| format!("The model {other} has so many."));
     Finding::error(subject, message, published.place.clone())
+        .detail(detail)
         .relation("count")
         .measured(Measured::count("coefficients", d.len()))
         .help("write the model that was calibrated, with all of its coefficients")

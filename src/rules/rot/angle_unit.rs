@@ -76,7 +76,7 @@ fn is_over_a_turn(angle: f64, limits: &Limits) -> bool {
 /// The statement of another source that these angles repeat when they are read as degrees, and do not otherwise.
 fn in_degrees_of(angles: &Angles, pairs: &Pairs, limits: &Limits) -> Option<Statement> {
     let (target, source) = angles.frames.as_ref().filter(|_| angles.is_rigid)?;
-    let [roll, pitch, yaw] = angles.rpy.map(|angle| (angle * 1e4).round() / 1e4);
+    let [roll, pitch, yaw] = angles.rpy;
     let as_read = from_rpy(roll, pitch, yaw);
     let [roll, pitch, yaw] = angles.rpy.map(f64::to_radians);
     let in_degrees = from_rpy(roll, pitch, yaw);
@@ -95,7 +95,7 @@ fn in_degrees_of(angles: &Angles, pairs: &Pairs, limits: &Limits) -> Option<Stat
 }
 
 fn finding(world: &World, angles: &Angles, detail: String) -> Finding {
-    let [roll, pitch, yaw] = angles.rpy;
+    let [roll, pitch, yaw] = angles.rpy.map(|angle| (angle * 1e4).round() / 1e4);
     let message = format!(
         "the angles {roll} {pitch} {yaw} of {} are probably degrees, read as radians",
         angles.name
