@@ -28,23 +28,12 @@ pub(crate) fn judge_each<T, L>(
 /// known fault fits. If another measurement shows the fault better, the finding defers to that one's rule.
 pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Finding, otherwise: &str) -> Finding {
     let help = diagnosis.help().unwrap_or_else(|| otherwise.to_owned());
-    let mut finding = with_causes(diagnosis, diagnosis.expressed_in.tell(finding).help(help));
+    let finding = diagnosis.expressed_in.tell(finding).help(help);
+    let mut finding = finding.detail(diagnosis.sentence());
     if let Some(word) = diagnosis.word() {
         finding = finding.relation(word);
     }
     defer(diagnosis, imu, Some(own), finding)
-}
-
-/// The finding with the causes behind its detail.
-fn with_causes(diagnosis: &Diagnosis, finding: Finding) -> Finding {
-    let causes = diagnosis.sentence();
-    let parts = [finding.detail.as_str(), causes.as_str()].map(str::trim);
-    let detail = parts
-        .into_iter()
-        .filter(|part| !part.is_empty())
-        .collect::<Vec<_>>()
-        .join(" ");
-    finding.detail(detail)
 }
 
 /// The finding, deferring to the rule of the measurement that shows the fault best.

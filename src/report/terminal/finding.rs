@@ -147,7 +147,7 @@ pub(in crate::report) fn message_words(message: &MessageRef) -> String {
 /// `rotation difference 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let spelled = Spelled::new(measured);
-    let mut words = format!("{} {}", measured.what, spelled.value);
+    let mut words = format!("{} = {}", measured.what, spelled.value);
     if let Some(limit) = spelled.limit {
         let _ = write!(words, ", limit {limit}");
     }

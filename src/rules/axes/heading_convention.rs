@@ -122,20 +122,29 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
 fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
     let offset = decided.large_offset_deg(limits)?;
     let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
-    let what = if near(90.0) {
-        "a sensor rotated to the left that TF does not include"
+    let (what, help) = if near(90.0) {
+        ("the sensor is rotated to the left, which TF does not state", "add the sensor's yaw to its mounting in TF")
     } else if near(-90.0) {
-        "a yaw that is zero in the north, a body whose y axis points forward, or a sensor rotated to the right that TF does not include"
+        (
+            "the yaw is zero in the north, or y of the body points forward, or the sensor is rotated to the right, which TF does not state",
+            "look at the sensor: if it is rotated, add its yaw to TF; else add pi/2 to the published yaw (REP-103: zero in the east)",
+        )
     } else if near(180.0) {
-        "a sensor mounted backwards that TF does not include, or a drive in reverse"
+        (
+            "the sensor is mounted backwards, which TF does not state, or the platform drove in reverse",
+            "add the sensor's yaw of 180 deg to its mounting in TF, unless this was a drive in reverse",
+        )
     } else {
-        "a magnetometer near steel, or a mounting yaw that TF does not include"
+        (
+            "the magnetometer is disturbed by steel, or a mounting yaw is missing in TF",
+            "calibrate the magnetometer in place, or add the sensor's yaw to its mounting in TF",
+        )
     };
     let message = format!(
         "`{}`: yaw is {offset:.0} deg from the course of {}",
         imu.stream.topic, decided.track
     );
-    let detail = format!("Possible causes: {what}. Mounting: {}.", imu.mounting());
+    let detail = format!("Probably {what}. Mounting: {}.", imu.mounting());
     let finding = Finding::warning(subject, message, imu.stream.place()).detail(detail);
     // The zero is a guess, unless the user declares it, or it is 90 degrees within a degree in every direction.
     let is_quarter = imu.mount.is_some() && decided.is_a_quarter_turn(offset, limits);
@@ -144,10 +153,5 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
     } else {
         finding.hint()
     };
-    Some(
-        imu.stream.expressed_in.tell(finding).help(
-            "compare the yaw with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that \
-             uses it",
-        ),
-    )
+    Some(imu.stream.expressed_in.tell(finding).help(help))
 }

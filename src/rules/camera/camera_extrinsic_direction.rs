@@ -204,17 +204,17 @@ fn judge_claim(
         }
         (false, true) => {
             let message = format!(
-                "`{}` is inverted: {:.2} m and {:.0} deg off {pair} of the robot",
-                claim.label, as_read.0, as_read.1
+                "`{}` is inverted: it is the transform `{source}` from `{target}`",
+                claim.label
             );
             let finding = Finding::warning(subject, message, claim.place.clone())
                 .confidence(claim.reading.min(Confidence::Likely))
                 .relation("inverse")
                 .detail(format!(
-                    "It is named `{target}` from `{source}`; inverted it is {:.2} m and {:.1} deg off.",
-                    inverse.0, inverse.1
+                    "Compared with {pair} of the robot: {:.2} m and {:.0} deg off as read, {:.2} m and {:.1} deg inverted.",
+                    as_read.0, as_read.1, inverse.0, inverse.1
                 ))
-                .help("invert the matrix, or rename its key. With p_camera = R p + t the camera is at -R^T t; a pose of the camera has its position as t");
+                .help("invert the matrix, or give it a name of the opposite direction. With p_camera = R p + t the camera is at -R^T t");
             out.fail(finding.measured(measured));
         }
     }

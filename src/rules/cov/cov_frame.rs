@@ -58,9 +58,9 @@ fn axes(declared: &Declared<'_>, limits: &Limits) -> Result<Axes, String> {
 fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
-        Measured::new("constancy of the longer axis as published", axes.constant, "1").samples(n),
-        Measured::new("constancy of the longer axis minus the yaw", axes.less_yaw, "1").samples(n),
-        Measured::new("longer over shorter axis", axes.stretch, "1").limit(limits.min_stretch),
+        Measured::new("direction of the long axis as published, mean resultant length", axes.constant, "1").samples(n),
+        Measured::new("direction of the long axis minus the yaw, mean resultant length", axes.less_yaw, "1").samples(n),
+        Measured::new("ratio of the axes", axes.stretch, "1").limit(limits.min_stretch),
     ]
 }
 
@@ -96,7 +96,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
         .likely()
         .relation("in-world")
         .unless(codes::AXES08)
-        .detail("Its longer axis rotates with the yaw, while the velocity is expressed in the child frame.")
+        .detail("The long axis of its ellipse keeps its direction in the world and rotates in the child frame, in which the velocity is expressed (a resultant length of 1 is a constant direction).")
         .help("publish it in the child frame: `C_body = R^T C_world R` for both 3x3 blocks, with `R` the orientation of the pose");
     out.fail(finding.measured(measured));
 }

@@ -114,7 +114,7 @@ fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
     Some(Fault {
         severity: graded(*asymmetry, limits),
         words: format!("not symmetric, by {asymmetry:.3e} of the largest element"),
-        help: "check how the matrix is filled: only one half, in another element order, or with another size",
+        help: "write C[i][j] = C[j][i]: fill both halves, and check order and size of the matrix if the difference is large",
         measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
         at,
     })

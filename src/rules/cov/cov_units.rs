@@ -86,19 +86,19 @@ fn judge_angles(
             |value| Place::message(source, value.1.at.clone()),
         );
         let message = format!(
-            "`{}`: `{field}` has a variance of {middle:.1} rad2 about {name}, probably deg2",
+            "`{}`: `{field}` has a variance of {middle:.1} rad^2 about {name}, probably deg^2",
             topic.topic
         );
         let finding = Finding::warning(subject, message, place)
             .likely()
             .relation("degrees")
             .detail(format!(
-                "In rad2 the standard deviation is {:.0} deg, where an unknown angle has 104 deg (pi2/3 rad2); in deg2 it is {:.1} deg.",
+                "Read as rad^2, the standard deviation is {:.0} deg, more than an unknown angle can have (104 deg); read as deg^2, it is {:.1} deg.",
                 middle.sqrt().to_degrees(),
                 middle.sqrt()
             ))
             .help(format!(
-                "publish rad2: divide by {DEG2_PER_RAD2:.1}; if the numbers are rad2, the filter never observes this angle"
+                "divide the variances of angles by {DEG2_PER_RAD2:.1} where they are published (deg^2 to rad^2)"
             ));
         return out.fail(
             finding.measured(
@@ -116,7 +116,7 @@ fn judge_angles(
                 .samples(evidence.count)],
         ),
         Some(most) => {
-            let why = format!("a variance of {most:.1e} is too large for rad2 and deg2: it marks the angle as unknown");
+            let why = format!("a variance of {most:.1e} is too large for rad^2 and deg^2: it marks the angle as unknown");
             out.not_applicable(subject, why);
         }
         None => {
@@ -135,24 +135,24 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let told = fit.miss(Reading::AsPublished);
     let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
     if told <= limits.fits {
-        return out.pass(subject, [factor("factor to the noise, m2 and rad2", told)]);
+        return out.pass(subject, [factor("factor to the noise, m^2 and rad^2", told)]);
     }
     let best = fit.best(limits.fits, limits.margin).filter(|_| told >= limits.misses);
     let (word, what, help) = match best {
         Some(Reading::Degrees) => (
             "degrees",
-            "rotations in deg2 instead of rad2",
-            "divide the variances of rotations by 3282.8 (deg2 per rad2)",
+            "rotations in deg^2 instead of rad^2",
+            "divide the variances of rotations by 3282.8 (deg^2 per rad^2)",
         ),
         Some(Reading::Centimetres) => (
             "centimetres",
-            "positions in cm2 instead of m2",
-            "divide the variances of positions by 10000 (cm2 per m2)",
+            "positions in cm^2 instead of m^2",
+            "divide the variances of positions by 10000 (cm^2 per m^2)",
         ),
         Some(Reading::Millimetres) => (
             "millimetres",
-            "positions in mm2 instead of m2",
-            "divide the variances of positions by 1000000 (mm2 per m2)",
+            "positions in mm^2 instead of m^2",
+            "divide the variances of positions by 1000000 (mm^2 per m^2)",
         ),
         Some(Reading::Deviations) => (
             "deviations",
@@ -182,9 +182,9 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
             .likely()
             .unless(codes::COV02)
             .relation(word)
-            .detail("Read this way, all variances are near the noise from pose to pose; as m2 and rad2 one is off.")
+            .detail("Read this way, all variances are near the noise from pose to pose; as m^2 and rad^2 one is off.")
             .help(help)
             .measured(factor("factor to the noise, read this way", best))
-            .measured(factor("factor to the noise, m2 and rad2", told)),
+            .measured(factor("factor to the noise, m^2 and rad^2", told)),
     );
 }

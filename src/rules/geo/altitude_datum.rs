@@ -126,22 +126,22 @@ fn negated(apart: Apart) -> Apart {
 
 /// The heights of `low` lack the undulation that those of `sound` have.
 fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: Apart, undulation_m: f64) -> Finding {
-    let below = if apart.median_m < 0.0 { "below" } else { "above" };
+    let low_or_high = if apart.median_m < 0.0 { "low" } else { "high" };
     let (what, detail, help) = if low.datum == Datum::Map {
         (
-            "the map origin's height is above mean sea level",
-            "The difference matches the geoid undulation. `earth` is defined by the ellipsoid, so the origin needs a height above it.",
-            format!("add the geoid undulation ({undulation_m:.2} m) to the origin's height in `earth` -> `map`"),
+            "the map's origin",
+            "Its height is probably one above mean sea level: the difference is the geoid undulation. `earth` (REP-105) needs heights above the WGS 84 ellipsoid.",
+            format!("add the geoid undulation ({undulation_m:.2} m) to the origin's height where `earth` -> `map` is published"),
         )
     } else {
         (
-            "altitude is above mean sea level, not above the ellipsoid",
-            "The difference matches the geoid undulation. `NavSatFix` defines altitude above the WGS 84 ellipsoid.",
+            "the altitude",
+            "It is probably one above mean sea level: the difference is the geoid undulation. `NavSatFix` defines altitude above the WGS 84 ellipsoid.",
             format!("publish `altitude = height above mean sea level + geoid separation` ({undulation_m:+.2} m here)"),
         )
     };
     let message = format!(
-        "`{}`: {what} ({:.2} m {below} `{}`)",
+        "`{}`: {what} is {:.2} m too {low_or_high} compared with `{}`: sea level used as ellipsoid",
         low.topic,
         apart.median_m.abs(),
         sound.topic
@@ -150,6 +150,6 @@ fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: Apart, undulatio
         .likely()
         .relation("msl-as-ellipsoidal")
         .detail(detail)
-        .related(sound.place.clone(), "the height compared with")
+        .related(sound.place.clone(), "compared with this height")
         .help(help)
 }

@@ -102,7 +102,7 @@ fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
                 stated.subject, seen.tilt_deg
             ),
             format!(
-                "The origin is at latitude {latitude:.5}, longitude {longitude:.5}; 1 km from it, the tilt is {:.1} m of height.{class}",
+                "The origin is at latitude {latitude:.5}, longitude {longitude:.5}. At 1 km from it, the tilt makes an error of {:.1} m in height.{class}",
                 1e3 * seen.tilt_deg.to_radians().sin()
             ),
         )

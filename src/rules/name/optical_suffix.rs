@@ -69,7 +69,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         Finding::error(subject, message, place).likely()
     };
     let mut finding = finding.measured(measured).detail(what).help(
-        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103)",
+        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103); put the attitude of the camera itself into the parent",
     );
     finding.relation = word.map(str::to_owned);
     let edit = worst
@@ -98,7 +98,10 @@ fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Opti
         let known = classify_rotation(&AxisTurn::Optical.quaternion(), parent_from_optical, &tolerance).error();
         (
             known.map(Relation::word),
-            known.map_or("", Relation::describe).to_owned(),
+            known.map_or(String::new(), |known| match known {
+                Relation::Z180 => "The image would be upside down: 180 deg about the optical axis.".to_owned(),
+                known => format!("The rotation is the right one with this error: {}.", known.word()),
+            }),
         )
     }
 }

@@ -37,16 +37,16 @@ fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place:
     if is_declared {
         return out.pass(subject, [count(1)]);
     }
-    let message = format!("{what} may be Hamilton or JPL: the file does not state which");
+    let message = format!("{what} may be Hamilton or JPL, by the program that writes such files");
     let finding = Finding::note(subject, message, place.clone())
         .hint()
         .label("Hamilton or JPL")
         .detail(format!(
-            "Reason: {doubt}. In the other convention the same numbers are the inverse rotation."
+            "Here {doubt}. In the other convention the same numbers are the inverse rotation."
         ))
-        .help(
-            "declare the convention of the program that wrote the file in frames-lint.yaml: \
-             `conventions: [{file: ..., quaternion: {algebra: jpl}}]` (or `hamilton`)",
-        );
+        .help(format!(
+            "look up which convention the version that wrote the file has, and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
+            file.file
+        ));
     out.fail(finding.measured(count(2)));
 }

@@ -50,7 +50,7 @@ fn deviation([a, b, c, d]: [f64; 4]) -> Measured {
             worst.max(entry.abs())
         }
     });
-    Measured::new("largest deviation of the bottom row from 0 0 0 1", worst, "1").limit(1e-9)
+    Measured::new("largest deviation of the bottom row", worst, "1").limit(1e-9)
 }
 
 fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {

@@ -52,8 +52,8 @@ fn identity(world: &World, mounting: &Mounting) -> Finding {
     );
     Finding::warning(subject(world, mounting), message, mounting.place.clone())
         .hint()
-        .label("a placeholder?")
-        .help("write the measured mounting transform; if the two frames coincide by design, waive this hint")
+        .label("identity")
+        .help("write the measured mounting transform; if the two frames coincide by design, accept it: `waivers: [{rule: ROT07, subject: ..., reason: ...}]` in frames-lint.yaml")
         .measured(measured(&mounting.parent_from_sensor))
 }
 

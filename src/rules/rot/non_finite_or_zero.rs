@@ -125,7 +125,7 @@ fn not_finite((subject, name): (String, String), what: &str, count: usize, place
     Finding::error(subject, message, place)
         .label("not finite")
         .detail("No transform can be computed from it.")
-        .help("write the measured number; leave an unknown value out instead of writing NaN")
+        .help("write the measured number, or remove the whole transform if it is unknown")
         .measured(Measured::count("numbers that are not finite", count).limit(0.0))
 }
 

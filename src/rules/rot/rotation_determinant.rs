@@ -81,8 +81,7 @@ fn reflection(world: &World, parts: &Parts, determinant: f64, pairs: &Pairs) -> 
         .label("left-handed axes")
         .detail(explanation)
         .help(
-            "correct the sign of one axis, or the exchange of two, where the matrix is computed; the nearest rotation would only hide \
-             the error",
+            "correct the sign or the order of the axes where the matrix is computed; do not replace it by the nearest rotation, which hides the error",
         )
         .measured(Measured::new("determinant", determinant, "1").limit(1.0));
     if let Some(flip) = flip {

@@ -61,7 +61,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
     let (detail, help) = told(&lidar, quarters, &mounting);
     let [seen, meant] = if quarters < 0 { ["y", "x"] } else { ["x", "y"] };
     let message = format!(
-        "`{}`: clouds have {seen} forward, but `{mounting}` is for {meant} ({:+.1} deg of yaw)",
+        "`{}`: clouds have {seen} forward, `{mounting}` expects {meant} forward ({:+.1} deg of yaw)",
         clouds.topic.topic, yaw.off_deg
     );
     let finding = Finding::error(subject, message, clouds.place())
@@ -77,7 +77,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
 /// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.
 fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
     let name = &lidar.name;
-    let turn = format!("rotate `{mounting}` by {} deg about z", 90 * i16::from(quarters));
+    let turn = format!("add {:+} deg to the yaw of `{mounting}`", 90 * i16::from(quarters));
     match (lidar.driver, quarters < 0) {
         (Forward::X | Forward::XOrBack, true) => (
             format!(
@@ -89,7 +89,7 @@ fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
             format!(
                 "The ROS driver of {name} publishes x forward; the mounting is made for the sensor's own axes, y forward."
             ),
-            format!("{turn}: y in the manual is x of these clouds"),
+            turn,
         ),
         (Forward::Y, true) => (
             format!("The driver of {name} publishes y forward; the mounting is made for x forward."),

@@ -85,7 +85,7 @@ fn reversed(world: &World, frame: &FrameId, above: &FrameId) -> Option<Finding> 
     let message = format!("`{frame}` is below `{above}`; REP-105 requires earth -> map -> odom -> base_link");
     let finding = at_edge(world, frame, true, message)?;
     Some(finding.label(format!("places `{frame}` below `{above}`")).help(format!(
-        "publish the inverse transform, with `{frame}` as the parent; a localizer that cannot do so may use another frame name"
+        "publish the inverse transform, with `{frame}` as the parent"
     )))
 }
 

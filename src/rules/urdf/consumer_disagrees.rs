@@ -49,8 +49,8 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
         robot.name.place.clone(),
     )
     .label("rejected")
-    .detail(why)
-    .help("fix the other findings on this file first: programs in Rust cannot load it")
+    .detail(format!("Programs in Rust that use it cannot load the robot. Its error: {}.", why.trim_start_matches("custom: ")))
+    .help("fix what the other findings on this file point at, usually numbers or repeated elements; without other findings, load the file with urdf-rs")
     .measured(Measured::count("parsers that reject the file", 1).limit(0.0));
     if explained { finding } else { finding.hint() }
 }

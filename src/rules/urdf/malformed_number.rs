@@ -30,7 +30,7 @@ impl Rule for MalformedNumber {
                 out.pass(
                     crate::analysis::urdf::called::robot(world, robot),
                     [
-                        Measured::count("attributes that are no numbers", 0).limit(0.0),
+                        Measured::count("malformed attributes", 0).limit(0.0),
                         Measured::count("links and joints", robot.links.len() + robot.joints.len()),
                     ],
                 );
@@ -78,7 +78,11 @@ fn no_number(world: &World, robot: &Robot, literal: &Literal, place: Place) -> F
 fn finding(world: &World, robot: &Robot, list: &NumberList) -> Finding {
     let why = list.malformed.as_deref().unwrap_or("not a list of numbers");
     let message = format!("`{}=\"{}\"` cannot be read: {why}", list.attribute, list.text.value);
-    let finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
+    let mut finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
+    if list.literals.len() != list.expected && list.literals.iter().all(|literal| literal.value.is_finite()) {
+        let count = format!("{} numbers, {} needed", list.literals.len(), list.expected);
+        finding = finding.label(count).help(format!("write exactly {} numbers", list.expected));
+    }
     let edits = respaced(list).and_then(|text| {
         let edit = replace(world, list.text.place.clone(), &list.text.value, text);
         edit.map(|edit| vec![edit])
@@ -93,7 +97,7 @@ fn fail(world: &World, source: SourceId, attribute: &str, message: String, place
     Finding::error(subject, message, place)
         .label("not a list of numbers")
         .help("write plain numbers with a decimal point, separated by spaces")
-        .measured(Measured::count("attributes that are no numbers", 1).limit(0.0))
+        .measured(Measured::count("malformed attributes", 1).limit(0.0))
 }
 
 /// `1, 2, 3`, `1,2,3` and numbers between tabs become `1 2 3`, where that gives exactly the numbers expected. With a comma

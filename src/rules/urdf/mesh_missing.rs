@@ -68,24 +68,24 @@ fn finding(
 ) -> Option<Finding> {
     let (link, first) = missing.first()?;
     let message = match missing.len() {
-        n if !is_slip => format!("none of the {n} mesh files of robot `{}` exists", robot.name.value),
+        n if !is_slip => format!("none of the {n} meshes of robot `{}` has its file", robot.name.value),
         1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
         n => format!("{n} mesh files do not exist, the first is that of `{}`", link.name.value),
     };
     let file = &first.filename.value;
     let detail = match missing.len() - 1 {
         0 => format!("Missing: `{file}`."),
-        more => format!("Missing: `{file}` and {more} more."),
+        more => format!("Missing: `{file}`, and those of {more} more meshes."),
     };
     let subject = format!("meshes of {}", world.path(robot.source));
     let severity = if is_slip { Severity::Warning } else { Severity::Note };
     let mut finding = Finding::new(severity, subject, message, first.filename.place.clone())
         .label("no such file")
         .detail(detail)
-        .help("correct the path (it is case-sensitive), or add the mesh file")
+        .help("correct the path (it is case-sensitive), or add the file; packages are searched in the input and around the URDF")
         .measured(Measured::count("missing meshes", missing.len()).limit(0.0));
     for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
-        finding = finding.related(mesh.filename.place.clone(), format!("of `{}`", link.name.value));
+        finding = finding.related(mesh.filename.place.clone(), format!("no such file, link `{}`", link.name.value));
     }
     Some(finding)
 }
