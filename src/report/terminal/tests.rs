@@ -54,7 +54,7 @@ error[CONV02 quarter-turn] (likely) `lidar` is rotated by 89.954 deg, a quarter 
    ·                      ╰── yaw
  5 │   </joint>
    ╰────
-  measured: distance from 90 deg 0.04563 deg, limit 0.01 deg, n=1
+  measured: distance from 90 deg = 0.04563 deg, limit 0.01 deg, n=1
   help: write ${pi/2} or 1.5707963
 
 `frames-lint explain CONV02` shows how the rule decides, why it matters and how to fix it
@@ -103,8 +103,8 @@ error[CALIB01 sources-differ] two sources differ by 90 deg
    ·   ───┬──
    ·      ╰── 0 deg here
    ╰────
-  measured: rotation difference 90 deg, limit 1 deg, spread 0.25 deg, n=12
-            translation difference 0 m, limit 0.05 m
+  measured: rotation difference = 90 deg, limit 1 deg, spread 0.25 deg, n=12
+            translation difference = 0 m, limit 0.05 m
   relation: rz-90
 
 `frames-lint explain CALIB01` shows how the rule decides, why it matters and how to fix it
@@ -142,7 +142,7 @@ fn a_finding_in_a_recording() {
 hint[TF03 parent-switch] `odom` changes its parent
   → drive.mcap /tf message 12, stamp 2023-11-14 22:13:20.000 UTC (1700000000 s), transforms[0]: under `map`
   → drive.mcap /tf message 13, recorded 2023-11-14 22:13:20.100 UTC (1700000000.1 s): under `earth`
-  measured: changes 2
+  measured: changes = 2
 
 Read in part (1 recording)
   drive.mcap: 25 MB of 2 GB (1.2 %), 1200 messages
@@ -265,13 +265,13 @@ fn long_reports_are_cut_but_no_rule_is_lost() {
 #[test]
 fn numbers_are_told_apart_from_their_limit() {
     let words = |value, limit| finding::measured_words(&Measured::new("x", value, "deg").limit(limit));
-    assert_eq!(words(1.000_04, 1.0), "x 1.00004 deg, limit 1 deg");
-    assert_eq!(words(1.0, 1.0), "x 1 deg, limit 1 deg");
-    assert_eq!(words(f64::NAN, 1.0), "x NaN deg, limit 1 deg");
+    assert_eq!(words(1.000_04, 1.0), "x = 1.00004 deg, limit 1 deg");
+    assert_eq!(words(1.0, 1.0), "x = 1 deg, limit 1 deg");
+    assert_eq!(words(f64::NAN, 1.0), "x = NaN deg, limit 1 deg");
     // What computing leaves of nothing is nothing, unless the limit is as small.
-    assert_eq!(words(3.976e-16, 0.05), "x 0 deg, limit 0.05 deg");
-    assert_eq!(words(2.5e-8, 1e-8), "x 2.5e-8 deg, limit 1e-8 deg");
-    assert_eq!(words(1e-9, 0.0), "x 1e-9 deg, limit 0 deg");
+    assert_eq!(words(3.976e-16, 0.05), "x = 0 deg, limit 0.05 deg");
+    assert_eq!(words(2.5e-8, 1e-8), "x = 2.5e-8 deg, limit 1e-8 deg");
+    assert_eq!(words(1e-9, 0.0), "x = 1e-9 deg, limit 0 deg");
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn identity(world: &World, mounting: &Mounting) -> Finding {
     Finding::warning(subject(world, mounting), message, mounting.place.clone())
         .hint()
         .label("identity")
-        .help("write the measured mounting transform; if the two frames coincide by design, accept it: `waivers: [{rule: ROT07, subject: ..., reason: ...}]` in frames-lint.yaml")
+        .help("write the measured mounting transform; if the two frames coincide by design, add a waiver of this rule to frames-lint.yaml")
         .measured(measured(&mounting.parent_from_sensor))
 }
 
