@@ -316,14 +316,14 @@ impl Circle {
     }
 }
 
-struct Out {
+struct BagWriter {
     writer: Writer<BufWriter<File>>,
     channels: BTreeMap<&'static str, u16>,
     sequence: u32,
     bytes: u64,
 }
 
-impl Out {
+impl BagWriter {
     fn channel(&mut self, topic: &'static str, message_type: &str) {
         let schema = schemas::definition(message_type);
         let schema = self
@@ -361,7 +361,7 @@ fn write_drive(path: &Path, compression: Option<Compression>, chunk_bytes: u64, 
         .chunk_size(Some(chunk_bytes))
         .create(file)
         .expect("a writer");
-    let mut out = Out {
+    let mut out = BagWriter {
         writer,
         channels: BTreeMap::new(),
         sequence: 0,

@@ -91,23 +91,23 @@ impl Surroundings {
         }
     }
 
-    fn xacro(self, args: Vec<String>, run: bool) -> engine::XacroMeans {
-        engine::XacroMeans {
+    fn xacro(self, args: Vec<String>, run: bool) -> engine::XacroOptions {
+        engine::XacroOptions {
             own: self.is_program.then(std::env::current_exe).and_then(Result::ok),
             args,
             run,
-            ..engine::XacroMeans::default()
+            ..engine::XacroOptions::default()
         }
     }
 }
 
 /// Columns of the terminal: `COLUMNS` if it is set, else its size.
 fn width() -> Option<usize> {
-    let told = std::env::var("COLUMNS")
+    let columns = std::env::var("COLUMNS")
         .ok()
         .and_then(|columns| columns.trim().parse().ok());
-    let told = told.filter(|columns| *columns > 0);
-    told.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)))
+    let columns = columns.filter(|columns| *columns > 0);
+    columns.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)))
 }
 
 /// Why a command failed.

@@ -69,7 +69,7 @@ use crate::tables::Tables;
 use crate::world::conventions::{Alias, Declaration, DeclaredTransform};
 use crate::world::{Conventions, NamedDataset, Projection};
 
-use policy::Asked;
+use policy::PolicyLayer;
 use reader::Reader;
 
 pub use extends::PROFILES;
@@ -102,14 +102,14 @@ struct Layer {
     conventions: Vec<(Declaration, Span)>,
     /// The dataset that it names, and where.
     dataset: Option<(NamedDataset, Span)>,
-    projections: Vec<projections::Declared>,
+    projections: Vec<projections::ProjectionDraft>,
     aliases: Vec<Alias>,
     transforms: Vec<DeclaredTransform>,
     /// Whether the `xacro` program may be run.
     xacro: Option<bool>,
     /// Whether comments in the inputs count.
     comments: Option<bool>,
-    asked: Asked,
+    asked: PolicyLayer,
 }
 
 /// Why a configuration cannot be used, with the place in words.
@@ -286,7 +286,7 @@ impl Config {
                 ..declaration.clone()
             };
             known.declarations.extend(layer.conventions.iter().map(placed));
-            let projection = |declared: &projections::Declared| {
+            let projection = |declared: &projections::ProjectionDraft| {
                 Some(Projection {
                     format: "frames-lint".to_owned(),
                     label: String::new(),

@@ -17,14 +17,14 @@ use crate::run::Run;
 use crate::source::Confidence;
 use crate::tables::{Dialect, Rows, writings};
 
-use kinds::Cast;
+use kinds::Assignment;
 use links::{Link, Links};
 
 pub use feather::from_csv as feather_from_csv;
 
-/// What is requested.
+/// The requested conversion.
 #[derive(Clone, Debug, Default)]
-pub struct Wish {
+pub struct ConvertRequest {
     /// The dialect or form.
     pub to: String,
     /// `(target, source)` of the transform; without it all that were read.
@@ -37,7 +37,7 @@ pub struct Wish {
 
 /// The answer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Converted {
+pub struct Conversion {
     /// The file.
     pub text: String,
     /// How each transform came about, and what was left out.
@@ -66,7 +66,7 @@ struct Item {
 /// # Errors
 ///
 /// Where nothing matches the wish, or more than one thing does; in words for the user.
-pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Converted, String> {
+pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &ConvertRequest) -> Result<Conversion, String> {
     let links = Links::of(run, wish)?;
     let asked = match &wish.frames {
         Some((target, source)) => Some(chained(&links, target, source)?),
@@ -77,7 +77,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
             Some(item) => vec![item],
             None => links.all.iter().map(stated).collect(),
         };
-        return Ok(Converted {
+        return Ok(Conversion {
             text: forms::write(&wish.to, &items),
             notes: items
                 .iter()
@@ -145,7 +145,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
             let _ = writeln!(notes, "left out: `{frame}` matches no key there");
         }
     }
-    Ok(Converted {
+    Ok(Conversion {
         text: write::file(writing, &texts),
         notes,
         is_table: writing.ending == "csv",
@@ -210,7 +210,7 @@ fn origin(link: &Link) -> String {
     format!("is `{}` of {}{doubt}", link.label, link.place)
 }
 
-impl Cast<'_> {
+impl Assignment<'_> {
     /// The key with its numbers.
     fn label(&self) -> String {
         let number = self.number.to_string();

@@ -68,11 +68,11 @@ fn remove(path: &Path) {
 
 /// A file or folder that is removed when this is dropped, and when the program is interrupted.
 #[derive(Debug)]
-pub struct Temporary {
+pub struct TempPath {
     path: PathBuf,
 }
 
-impl Temporary {
+impl TempPath {
     /// An empty file in the system's temporary folder.
     pub fn file() -> io::Result<(Self, File)> {
         Self::file_in(&std::env::temp_dir(), "frames-lint-", 0o600)
@@ -119,7 +119,7 @@ impl Temporary {
     }
 }
 
-impl Drop for Temporary {
+impl Drop for TempPath {
     fn drop(&mut self) {
         remove(&self.path);
         KNOWN.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.path);
@@ -131,7 +131,7 @@ impl Drop for Temporary {
 pub struct Draft {
     file: File,
     /// The temporary file and the destination; `None` if it is written directly: to a terminal, a pipe or a device.
-    place: Option<(Temporary, PathBuf)>,
+    place: Option<(TempPath, PathBuf)>,
 }
 
 impl Draft {
@@ -153,7 +153,7 @@ impl Draft {
             _ => Path::new("."),
         };
         let mode = if old.is_some() { 0o600 } else { 0o666 };
-        let (temporary, file) = Temporary::file_in(folder, ".frames-lint-", mode)?;
+        let (temporary, file) = TempPath::file_in(folder, ".frames-lint-", mode)?;
         if let Some(old) = old {
             keep_attributes(&target, &old, &temporary.path, &file)?;
         }

@@ -335,7 +335,7 @@ mod tests {
     fn waived_findings_are_left_alone() {
         let (_folder, path) = file("a");
         let mut run = run(&path, "a", &[(Safety::Safe, &[(0, 1, "b")])]);
-        run.verdict.findings[0].waived = Some(crate::verdict::Waived {
+        run.verdict.findings[0].waived = Some(crate::verdict::Acceptance {
             reason: "r".to_owned(),
             by: None,
             until: None,

@@ -31,7 +31,7 @@ pub mod scan_match;
 pub mod sides;
 pub mod similarity2;
 pub mod stats;
-pub mod support;
+pub mod support_plane;
 pub mod turns;
 pub mod utm;
 pub mod yaw_search;

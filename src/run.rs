@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
-use crate::verdict::{Finding, KeptOutcomes, Outcome, Row, Severity, Verdict, Waived};
+use crate::verdict::{Acceptance, Finding, KeptOutcomes, Outcome, Row, Severity, Verdict};
 use crate::world::World;
 
 /// Exit code of a clean run.
@@ -38,7 +38,7 @@ pub struct Run {
     /// Counts of files in folders for which no reader exists, by extension or name.
     pub skipped: BTreeMap<String, usize>,
     /// Requirements that are not met.
-    pub unmet: Vec<Unmet>,
+    pub unmet: Vec<UnmetRequirement>,
     /// Labels of the platforms, if subjects begin with them.
     pub platforms: Vec<String>,
     /// [`FailOn`] of the configuration.
@@ -59,7 +59,7 @@ impl Run {
 
 /// What was added to a run: the indices of new sources, outcomes and findings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Grown {
+pub struct RunUpdate {
     /// Sources.
     pub sources: Vec<usize>,
     /// Outcomes.
@@ -70,7 +70,7 @@ pub struct Grown {
     pub recording: Option<usize>,
 }
 
-impl Grown {
+impl RunUpdate {
     /// Everything that a run has.
     pub fn all(run: &Run) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Grown {
 
 /// A requirement that is not met: a rule that had to be evaluated and was not, or too few evaluated checks.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unmet {
+pub struct UnmetRequirement {
     /// Code of the rule; [`SHARE`] if a share of the checks is required.
     pub rule: String,
     /// Its name.
@@ -100,7 +100,7 @@ pub struct Unmet {
     /// The labels of the recordings for which it is required, if each has a verdict of its own.
     pub recordings: Vec<String>,
     /// Set if the user accepts that it was not evaluated.
-    pub waived: Option<Waived>,
+    pub waived: Option<Acceptance>,
 }
 
 /// Replaces a rule's code where a share of the checks is required.
@@ -109,7 +109,7 @@ pub const SHARE: &str = "share";
 /// Maximum number of recordings named with a requirement that is not met.
 const MAX_NAMED: usize = 5;
 
-impl Unmet {
+impl UnmetRequirement {
     /// Why it was not evaluated, and in which recordings, if there are several.
     pub fn reasons(&self) -> Vec<String> {
         let mut reasons = self.why.clone();
@@ -376,7 +376,7 @@ impl Run {
     }
 
     /// Requirements that are not met, and not accepted.
-    pub fn lacking(&self) -> impl Iterator<Item = &Unmet> {
+    pub fn lacking(&self) -> impl Iterator<Item = &UnmetRequirement> {
         self.unmet.iter().filter(|unmet| unmet.waived.is_none())
     }
 

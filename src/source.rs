@@ -164,7 +164,7 @@ pub struct MessageRef {
 /// The part of a source that a place points at.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum At {
+pub enum SourcePart {
     /// The source as a whole.
     Whole,
     /// A byte span of the source's text.
@@ -179,20 +179,23 @@ pub struct Place {
     /// The source.
     pub source: SourceId,
     /// The part of it.
-    pub at: At,
+    pub at: SourcePart,
 }
 
 impl Place {
     /// The source as a whole.
     pub fn whole(source: SourceId) -> Self {
-        Self { source, at: At::Whole }
+        Self {
+            source,
+            at: SourcePart::Whole,
+        }
     }
 
     /// A byte span of a text source.
     pub fn text(source: SourceId, span: impl Into<Span>) -> Self {
         Self {
             source,
-            at: At::Text(span.into()),
+            at: SourcePart::Text(span.into()),
         }
     }
 
@@ -200,7 +203,7 @@ impl Place {
     pub fn message(source: SourceId, message: MessageRef) -> Self {
         Self {
             source,
-            at: At::Message(Box::new(message)),
+            at: SourcePart::Message(Box::new(message)),
         }
     }
 
@@ -212,15 +215,15 @@ impl Place {
     /// The topic of a message.
     pub fn topic(&self) -> Option<&str> {
         match &self.at {
-            At::Message(message) => Some(&message.topic),
-            At::Whole | At::Text(_) => None,
+            SourcePart::Message(message) => Some(&message.topic),
+            SourcePart::Whole | SourcePart::Text(_) => None,
         }
     }
 
     /// The byte span, where the place has one.
     pub fn span(&self) -> Option<Span> {
         match self.at {
-            At::Text(span) => Some(span),
+            SourcePart::Text(span) => Some(span),
             _ => None,
         }
     }
@@ -228,14 +231,14 @@ impl Place {
 
 /// A value together with the place it was read at.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Placed<T> {
+pub struct SourceValue<T> {
     /// The value as it was spelled.
     pub value: T,
     /// Its place.
     pub place: Place,
 }
 
-impl<T> Placed<T> {
+impl<T> SourceValue<T> {
     /// A value with its place.
     pub fn new(value: T, place: Place) -> Self {
         Self { value, place }
@@ -255,7 +258,7 @@ pub struct Problem {
 
 /// How much of a source was examined.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Examined {
+pub struct Coverage {
     /// Bytes of the source that were read.
     pub bytes: u64,
     /// Size of the source in bytes.
@@ -274,7 +277,7 @@ pub struct Examined {
 
 /// For a text out of another source: its origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Derived {
+pub enum Derivation {
     /// The text of a message of a recording.
     Message(MessageRef),
     /// The expansion of a macro file: spans count in the expanded text.
@@ -285,7 +288,7 @@ pub enum Derived {
 
 /// Where a part of an expansion is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct ExpansionPart {
     /// The part.
     pub span: Span,
     /// Where it is written: in a macro, perhaps in another file.
@@ -310,16 +313,16 @@ pub struct Source {
     pub taken: Option<String>,
     /// Parts that look like a transform, or half of one, but were not read: the keys from the root, joined by `/`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub not_understood: Vec<Placed<String>>,
+    pub not_understood: Vec<SourceValue<String>>,
     /// Further notes, a line each: what it was judged with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// How much was examined.
-    pub examined: Examined,
+    pub examined: Coverage,
     /// The text that spans point into; empty for binary sources.
     pub text: String,
     /// Set if the text was taken from another source.
-    pub derived: Option<Derived>,
+    pub derived: Option<Derivation>,
     /// What went wrong while reading.
     pub problems: Vec<Problem>,
     /// Whether failing to read it makes the run incomplete. False for files in a folder
@@ -333,7 +336,7 @@ pub struct Source {
     pub meshes: BTreeMap<String, MeshFile>,
     /// Of an expansion: where its parts are written.
     #[serde(skip)]
-    pub written: Vec<Written>,
+    pub written: Vec<ExpansionPart>,
     /// SHA-256 of each of its files, only if a report needs it.
     #[serde(skip)]
     pub hashes: Vec<FileHash>,
@@ -391,7 +394,7 @@ impl Source {
             taken: None,
             not_understood: Vec::new(),
             notes: Vec::new(),
-            examined: Examined::default(),
+            examined: Coverage::default(),
             text: String::new(),
             derived: None,
             problems: Vec::new(),

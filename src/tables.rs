@@ -18,13 +18,13 @@ use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 
-pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep};
+pub use clouds::{CloudDriver, PointTime, Sweep, TimeOrigin};
 pub use dataset::{Axes, Dataset, DatasetFrame, QuaternionWord};
-pub use dialects::{Angle, Dialect, Keyed, Length};
+pub use dialects::{Angle, Dialect, KeyedTransform, Length};
 pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};
 pub use ouster::{OusterPart, OusterPlace};
 pub use rows::{RowFault, Rows};
-pub use writing::{Writing, WrittenTransform, writings};
+pub use writing::{FileTemplate, TransformTemplate, writings};
 
 use rows::Row;
 

@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::Confidence;
 
-pub use deference::{Explainer, RuleCode, Unless};
-pub use finding::{Edit, Finding, Fix, Label, PlaceRole, Preferred, Safety, Severity, UNEXPLAINED};
+pub use deference::{Deference, Explainer, RuleCode};
+pub use finding::{Edit, Finding, Fix, Label, PlaceRole, PreferredPose, Safety, Severity, UNEXPLAINED};
 pub use judge::{Judge, Judged};
 pub use measured::Measured;
 pub use plot::Plot;
+pub use waiver::Acceptance;
 use waiver::FAMILY;
-pub use waiver::Waived;
 
 impl Confidence {
     /// The word used in reports.
@@ -233,13 +233,13 @@ pub enum KeptOutcomes {
     /// Those that apply. The others are counted when they are judged.
     Applicable,
     /// Those that apply, until they are written.
-    Untold,
+    Unreported,
 }
 
 impl KeptOutcomes {
     /// Whether outcomes that do not apply are counted when they are judged.
     pub fn drops_inapplicable(self) -> bool {
-        matches!(self, Self::Applicable | Self::Untold)
+        matches!(self, Self::Applicable | Self::Unreported)
     }
 }
 

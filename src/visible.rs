@@ -64,7 +64,7 @@ pub(crate) fn clean_in_place(text: &str) -> Option<String> {
 /// Writes a value as indented JSON that ends with a newline. Characters that control or hide text are written as `\uXXXX`: a parser gets
 /// the original characters, and they are visible in the file.
 pub(crate) fn write_json(value: &impl Serialize, to: &mut dyn Write) -> serde_json::Result<()> {
-    let mut to = SpelledOut(BufWriter::with_capacity(1 << 16, to));
+    let mut to = EscapeWriter(BufWriter::with_capacity(1 << 16, to));
     serde_json::to_writer_pretty(&mut to, value)?;
     to.write_all(b"\n")
         .and_then(|()| to.flush())
@@ -79,7 +79,7 @@ pub(crate) fn pretty_json(value: &impl Serialize) -> serde_json::Result<String> 
 /// As [`pretty_json`], on one line.
 pub(crate) fn json_line(value: &impl Serialize) -> serde_json::Result<String> {
     text(|to| {
-        serde_json::to_writer(SpelledOut(&mut *to), value)?;
+        serde_json::to_writer(EscapeWriter(&mut *to), value)?;
         to.push(b'\n');
         Ok(())
     })
@@ -94,9 +94,9 @@ pub(crate) fn text(write: impl FnOnce(&mut Vec<u8>) -> serde_json::Result<()>) -
 
 /// Escapes characters of JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none
 /// that are escaped.
-struct SpelledOut<W>(W);
+struct EscapeWriter<W>(W);
 
-impl<W: Write> Write for SpelledOut<W> {
+impl<W: Write> Write for EscapeWriter<W> {
     fn write(&mut self, piece: &[u8]) -> std::io::Result<usize> {
         match std::str::from_utf8(piece) {
             Ok(text) if may_steer(text) && text.chars().any(steers) => {

@@ -145,10 +145,10 @@ fn cases(folder: &Path) -> Vec<Case> {
 }
 
 /// Makes files with a number of items: names and paths with their texts.
-type Sized = fn(usize) -> Vec<(String, String)>;
+type FileMaker = fn(usize) -> Vec<(String, String)>;
 
 /// Inputs that can be of any size, most of them with a mistake in each part: the search for the intended name must not grow quadratically.
-const SIZED: &[(&str, Sized)] = &[
+const SIZED: &[(&str, FileMaker)] = &[
     ("faulty links", |count| {
         vec![("robot.urdf".to_owned(), faulty_robot(count))]
     }),

@@ -4,7 +4,7 @@
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::Decoder;
-use frames_lint::read::messages::definition::{Carried, Definitions, Schema};
+use frames_lint::read::messages::definition::{Definitions, Schema, TypeDefinition};
 use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::radar::{Form, MAX_ECHOES};
 
@@ -25,7 +25,7 @@ pub fn run(bytes: &[u8]) {
     let message = rest.get(1..).unwrap_or_default();
     for schema_encoding in ["ros2msg", "ros1msg", "ros2idl"] {
         for message_type in TYPES {
-            if let Carried::Types(types) = Carried::read(message_type, schema, schema_encoding)
+            if let TypeDefinition::Types(types) = TypeDefinition::read(message_type, schema, schema_encoding)
                 && let Some(linked) = Schema::link(message_type, Some(&types), &definitions)
             {
                 // Every type is in the text or in the standard packages; none is parsed twice.

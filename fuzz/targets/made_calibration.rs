@@ -10,7 +10,7 @@ use frames_lint::world::Facts;
 use super::choices::Choices;
 
 /// A transform by its child.
-struct Made {
+struct ChildTransform {
     child: String,
     xyz: [f64; 3],
     xyzw: [f64; 4],
@@ -19,8 +19,8 @@ struct Made {
 /// Runs the target.
 pub fn run(bytes: &[u8]) {
     let mut choices = Choices::new(bytes);
-    let all: Vec<Made> = (0..=choices.below(12))
-        .map(|at| Made {
+    let all: Vec<ChildTransform> = (0..=choices.below(12))
+        .map(|at| ChildTransform {
             child: format!("{}_{at}", choices.of(&["lidar", "camera", "imu"])),
             xyz: choices.vector(),
             xyzw: choices.quaternion(),
@@ -49,7 +49,7 @@ pub fn run(bytes: &[u8]) {
     let _ = read(&bent, is_json);
 }
 
-fn yaml(all: &[Made], choices: &mut Choices<'_>) -> String {
+fn yaml(all: &[ChildTransform], choices: &mut Choices<'_>) -> String {
     let mut out = choices
         .of(&["", "---\n", "# calibration\n", "%YAML 1.2\n---\n"])
         .to_owned();
@@ -82,7 +82,7 @@ fn yaml(all: &[Made], choices: &mut Choices<'_>) -> String {
     out
 }
 
-fn json(all: &[Made]) -> String {
+fn json(all: &[ChildTransform]) -> String {
     let each = all.iter().map(|made| {
         format!(
             "{:?}: {{\"translation\": {:?}, \"rotation\": {:?}}}",

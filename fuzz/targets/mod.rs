@@ -25,7 +25,7 @@ mod yaml;
 
 use std::io::Write;
 
-use frames_lint::collect::{How, collect};
+use frames_lint::collect::{CollectOptions, collect};
 use frames_lint::read::bag::Sampling;
 use frames_lint::read::text;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
@@ -44,9 +44,9 @@ fn recorded(magic: &[u8], bytes: &[u8], kind: SourceKind, sampling: Option<Sampl
     file.write_all(magic).expect("writable");
     file.write_all(bytes).expect("writable");
     let mut source = Source::new(SourceId(0), "fuzz", kind);
-    let how = How {
+    let how = CollectOptions {
         sampling,
-        ..How::default()
+        ..CollectOptions::default()
     };
     drop(collect(file.path(), &how, &mut source, &|_, _| {}));
     assert!(source.status == ReadStatus::Read || !source.problems.is_empty());

@@ -2,7 +2,7 @@
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{Estimates, axes::causes::Aspect, axes::diagnosis::Diagnosis, look::Look};
+use crate::analysis::{Estimates, axes::causes::Aspect, axes::diagnosis::Diagnosis, look::Estimate};
 use crate::rules::codes;
 use crate::verdict::{Finding, Judge, RuleCode, Severity};
 
@@ -10,7 +10,7 @@ use crate::verdict::{Finding, Judge, RuleCode, Severity};
 pub(crate) fn judge_each<T, L>(
     (world, limits): (&Estimates, &L),
     named: impl Fn(&str) -> String,
-    part: impl Fn(&Sensor) -> &Look<T>,
+    part: impl Fn(&Sensor) -> &Estimate<T>,
     judge: impl Fn((&Imu, &Sensor), String, &T, &L, &mut Judge),
     out: &mut Judge,
 ) {
@@ -28,7 +28,7 @@ pub(crate) fn judge_each<T, L>(
 /// known fault fits. If another measurement shows the fault better, the finding defers to that one's rule.
 pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Finding, otherwise: &str) -> Finding {
     let help = diagnosis.help().unwrap_or_else(|| otherwise.to_owned());
-    let finding = diagnosis.expressed_in.tell(finding).help(help);
+    let finding = diagnosis.expressed_in.annotate(finding).help(help);
     let mut finding = finding.detail(diagnosis.sentence());
     if let Some(word) = diagnosis.word() {
         finding = finding.relation(word);

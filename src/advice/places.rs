@@ -45,12 +45,12 @@ pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit
 }
 
 /// The places of frame names in texts.
-pub(crate) struct Spelled<'w> {
+pub(crate) struct NamePlaces<'w> {
     world: &'w World,
     places: BTreeMap<&'w str, BTreeSet<&'w Place>>,
 }
 
-impl<'w> Spelled<'w> {
+impl<'w> NamePlaces<'w> {
     /// Searches the texts of a world once.
     pub(crate) fn of(world: &'w World) -> Self {
         let links = world.robots.iter().flat_map(|robot| &robot.links);
@@ -140,7 +140,7 @@ mod tests {
     }
 
     fn replaced(text: &str, spelled: &str, to: &str) -> Option<Vec<String>> {
-        let edits = Spelled::of(&world(text, spelled)).rename_edits(&spelled.trim_matches('"').into(), to)?;
+        let edits = NamePlaces::of(&world(text, spelled)).rename_edits(&spelled.trim_matches('"').into(), to)?;
         Some(edits.into_iter().map(|edit| edit.replacement).collect())
     }
 
@@ -158,10 +158,10 @@ mod tests {
         assert_eq!(replaced("a: Lidar", "Camera", "camera"), None);
         assert_eq!(replaced("a: Lidar", "Lidar", "a<b"), None);
         let mut derived = source("a: Lidar");
-        derived.derived = Some(crate::source::Derived::Expansion);
+        derived.derived = Some(crate::source::Derivation::Expansion);
         let derived = world_of(derived, "a: Lidar", "Lidar");
-        assert_eq!(Spelled::of(&derived).rename_edits(&"Lidar".into(), "lidar"), None);
+        assert_eq!(NamePlaces::of(&derived).rename_edits(&"Lidar".into(), "lidar"), None);
         let moved = world_of(source("a:  Lidar"), "a: Lidar", "Lidar");
-        assert_eq!(Spelled::of(&moved).rename_edits(&"Lidar".into(), "lidar"), None);
+        assert_eq!(NamePlaces::of(&moved).rename_edits(&"Lidar".into(), "lidar"), None);
     }
 }

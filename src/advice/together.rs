@@ -10,7 +10,7 @@ const NAMED: usize = 3;
 /// Gives findings of different streams that have one cause as one: the first, which names the others and points at them.
 /// `more` says what the others do ("run the same way"); where it is empty, the message is about all of them already.
 /// The others are explained by the first, and count as it does.
-pub(crate) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
+pub(crate) fn report_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
     let mut findings = findings.into_iter();
     let Some(mut first) = findings.next() else { return };
     let others: Vec<Finding> = findings.collect();

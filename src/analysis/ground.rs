@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::analysis::{Estimates, lidar::Clouds, names};
-use crate::math::support::{Options, Support, support};
+use crate::math::support_plane::{Options, SupportPlane, support_plane};
 use crate::world::World;
 
 /// The sides of a cloud's axes, each next to its opposite, and their names.
@@ -26,11 +26,11 @@ pub(crate) const SIDES: [([f64; 3], &str); 6] = [
 const POINTS: usize = 1500;
 
 /// The plane opposite to each side of the axes of one cloud.
-pub(crate) type Sides = [Option<Support>; 6];
+pub(crate) type Sides = [Option<SupportPlane>; 6];
 
 /// Criteria for a plane to be the ground.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct IsGround {
+pub(crate) struct GroundCriteria {
     /// Minimum share of the points on it.
     pub(crate) min_on: f64,
     /// Minimum share of the points above it; in an open place, minimum share of the visible sectors instead.
@@ -54,9 +54,9 @@ pub(crate) struct IsGround {
     pub(crate) min_ratio: f64,
 }
 
-impl IsGround {
+impl GroundCriteria {
     /// Minimum share of the points on a plane and minimum score, by the sensor's field of view.
-    pub(crate) fn least(&self, plane: &Support) -> (f64, f64) {
+    pub(crate) fn least(&self, plane: &SupportPlane) -> (f64, f64) {
         if plane.seen < self.narrow {
             (self.narrow_on, self.narrow_score)
         } else {
@@ -75,7 +75,7 @@ pub(crate) struct Ground {
     /// The same for the next best side.
     pub(crate) next: f64,
     /// The plane.
-    pub(crate) plane: Support,
+    pub(crate) plane: SupportPlane,
     /// Cells on a ceiling: a plane on the opposite side with hardly any points beyond it, or with as many points as a ground. Any level
     /// plane intersects the walls of a street.
     pub(crate) ceiling_cells: f64,
@@ -102,13 +102,13 @@ impl Planes {
     }
 
     /// The ground in each sampled cloud that shows one.
-    pub(crate) fn grounds(&self, clouds: &Clouds, is: &IsGround) -> Vec<Ground> {
+    pub(crate) fn grounds(&self, clouds: &Clouds, is: &GroundCriteria) -> Vec<Ground> {
         let grounds = self.grounds_by_cloud(clouds, is).into_iter();
         grounds.map(|(_, ground)| ground).collect()
     }
 
     /// The same, each with the index of its sampled cloud.
-    pub(crate) fn grounds_by_cloud(&self, clouds: &Clouds, is: &IsGround) -> Vec<(usize, Ground)> {
+    pub(crate) fn grounds_by_cloud(&self, clouds: &Clouds, is: &GroundCriteria) -> Vec<(usize, Ground)> {
         let key = (clouds.index, clouds.topic.topic.clone());
         let sides = self.by_topic.get(&key).into_iter().flatten().enumerate();
         sides
@@ -146,13 +146,13 @@ pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Side
             let step = sample.points.len().div_ceil(POINTS).max(1);
             let points = sample.points.iter().step_by(step);
             let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
-            SIDES.map(|(side, _)| support(&points, &Vector3::from(side), &Options::default()))
+            SIDES.map(|(side, _)| support_plane(&points, &Vector3::from(side), &Options::default()))
         })
         .collect()
 }
 
 /// The side that the ground of a cloud is opposite to; `None` if no plane is clearly the ground.
-pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
+pub(crate) fn ground(sides: &Sides, is: &GroundCriteria) -> Option<Ground> {
     let scores = sides.map(|plane| plane.map_or(0.0, |plane| score(&plane, is)));
     let mut order: Vec<usize> = (0..sides.len()).collect();
     let of = |side: usize| scores.get(side).copied().unwrap_or(0.0);
@@ -179,7 +179,7 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
 }
 
 /// The cells on a plane, reduced by points below it.
-fn score(plane: &Support, is: &IsGround) -> f64 {
+fn score(plane: &SupportPlane, is: &GroundCriteria) -> f64 {
     plane.cells as f64 * (1.0 - plane.below / is.max_below).max(0.0)
 }
 
@@ -220,8 +220,8 @@ pub(crate) struct Limits {
 
 impl Limits {
     /// Criteria of a ground.
-    pub(crate) fn is_ground(&self) -> IsGround {
-        IsGround {
+    pub(crate) fn is_ground(&self) -> GroundCriteria {
+        GroundCriteria {
             min_on: self.min_on,
             min_above: self.min_above,
             min_around: self.min_around,
@@ -276,7 +276,7 @@ mod tests {
                 (range < 80.0).then_some(ray * range)
             })
             .collect();
-        SIDES.map(|(side, _)| support(&points, &Vector3::from(side), &Options::default()))
+        SIDES.map(|(side, _)| support_plane(&points, &Vector3::from(side), &Options::default()))
     }
 
     #[test]

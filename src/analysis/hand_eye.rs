@@ -4,8 +4,8 @@
 
 use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::motion::{BagMotion, Motion, Stream, Turned};
-use crate::analysis::scan_motion::moved::{Moment, Moved};
+use crate::analysis::motion::{BagMotion, Motion, Orientations, Stream};
+use crate::analysis::scan_motion::moved::{Moment, ScanStep};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
 use crate::analysis::{Estimates, lidar::Clouds, time::sweep::sweeps_the_other_way};
 use crate::source::Place;
@@ -62,18 +62,18 @@ pub(crate) struct HandEye {
     /// The frame of the cloud.
     pub(crate) lidar: FrameId,
     /// `body_from_lidar`, by the transforms.
-    pub(crate) told: Isometry3<f64>,
+    pub(crate) stated: Isometry3<f64>,
     /// Name of the poses in reports, and their place.
     pub(crate) poses: (String, Place),
     /// Pairs of motions.
     pub(crate) pairs: Vec<Pair>,
     /// The time offset of the scans.
-    pub(crate) late: Late,
+    pub(crate) late: TimeShift,
 }
 
 /// Time offset between scans and poses.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Late {
+pub(crate) struct TimeShift {
     /// Seconds; zero without rotation.
     by_s: f64,
     /// Uncertainty, seconds: other offsets explain the rotation nearly as well.
@@ -115,7 +115,7 @@ impl HandEye {
     pub(crate) fn of(
         world: &Estimates,
         clouds: &Clouds,
-        pick: impl Fn(&Steps) -> Vec<Moved>,
+        pick: impl Fn(&Steps) -> Vec<ScanStep>,
     ) -> Result<Self, (NotEvaluated, String)> {
         let known = Self::unchecked(world, clouds, pick)?;
         match known.turns_along() {
@@ -139,7 +139,7 @@ impl HandEye {
     pub(crate) fn unchecked(
         world: &Estimates,
         clouds: &Clouds,
-        pick: impl Fn(&Steps) -> Vec<Moved>,
+        pick: impl Fn(&Steps) -> Vec<ScanStep>,
     ) -> Result<Self, (NotEvaluated, String)> {
         if !clouds.is_of_a_lidar() {
             let why = "not recognised as raw points of a lidar by its fields, topic or frame".to_owned();
@@ -160,7 +160,7 @@ impl HandEye {
         }
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
-        let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
+        let of = |(poses, body, stated): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
             let (pairs, late) = pairs(steps, &moved, poses);
             Self {
                 pairs,
@@ -168,7 +168,7 @@ impl HandEye {
                 poses: (poses.subject.clone(), poses.place()),
                 body,
                 lidar: lidar.clone(),
-                told,
+                stated,
             }
         };
         let best = tied.map(of).reduce(|best, other| {
@@ -187,7 +187,7 @@ impl HandEye {
             return Err((NotEvaluated::TooLittleEvidence, why));
         }
         let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
-        if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
+        if sign * (best.stated.rotation * Vector3::z()).z < LEAST_UP {
             let why = format!("by the transforms the ground is not below `{}`", best.body);
             return Err((NotEvaluated::NotApplicable, why));
         }
@@ -205,7 +205,7 @@ impl HandEye {
         let poses = tied
             .map(|(poses, ..)| poses)
             .find(|poses| poses.subject == self.poses.0);
-        let poses = poses.map(|poses| (poses.stamp_offset_s, Turned::of(poses), poses.track()));
+        let poses = poses.map(|poses| (poses.stamp_offset_s, Orientations::of(poses), poses.track()));
         let late_s = self.late.by_s;
         move |moment| {
             let (stamp_offset_s, turned, track) = poses.as_ref()?;
@@ -217,7 +217,7 @@ impl HandEye {
     /// Whether the scans rotate in the same sense as the poses, if both rotate.
     fn turns_along(&self) -> Option<bool> {
         let turns = self.pairs.iter().map(|pair| {
-            let lidar = self.told.rotation * pair.lidar.rotation.scaled_axis();
+            let lidar = self.stated.rotation * pair.lidar.rotation.scaled_axis();
             (pair.body.rotation.scaled_axis().z, lidar.z)
         });
         let (squares, products) = turns.fold((0.0, 0.0), |(squares, products), (body, lidar)| {
@@ -238,8 +238,8 @@ pub(crate) fn tied<'m>(
     let ways = motion.bags.get(clouds.index).into_iter().flat_map(BagMotion::ways);
     let tied = ways.filter_map(|poses| {
         let body = poses.child.clone()?;
-        let (told, _) = world.graph().chain(&body, lidar, |edge| edge.is_rigid)?;
-        Some((poses, body, told))
+        let (stated, _) = world.graph().chain(&body, lidar, |edge| edge.is_rigid)?;
+        Some((poses, body, stated))
     });
     tied.collect()
 }
@@ -254,11 +254,11 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
 }
 
 /// The motions of both between matched clouds, and their time offset.
-fn pairs(steps: &Steps, moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
-    let (turned, track) = (Turned::of(poses), poses.track());
+fn pairs(steps: &Steps, moved: &[ScanStep], poses: &Stream<PoseRow>) -> (Vec<Pair>, TimeShift) {
+    let (turned, track) = (Orientations::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
     let late = late(moved, poses, &turned);
-    let pair = |moved: &Moved| {
+    let pair = |moved: &ScanStep| {
         let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late.by_s);
         let [Some(from), Some(to)] = times.map(at) else {
             return None;
@@ -275,7 +275,7 @@ fn pairs(steps: &Steps, moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>,
 }
 
 /// The time offset at which the rotations of both match best. A stamp is that of the first or last point, a scan shows the middle.
-fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
+fn late(moved: &[ScanStep], poses: &Stream<PoseRow>, turned: &Orientations) -> TimeShift {
     let orientation = |moment: &Moment, late_s: f64| turned.at(moment.on(poses.stamp_offset_s) + late_s, MAX_STEP_S);
     // Only the magnitudes of the angles are compared.
     let residual = |late_s: f64| {
@@ -289,21 +289,21 @@ fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
     let tried = (-MAX_LATE..=MAX_LATE).map(|steps| f64::from(steps) * LATE_STEP_S);
     let found: Vec<(f64, f64)> = tried.filter_map(|late_s| Some((late_s, residual(late_s)?))).collect();
     let Some((best_s, least)) = found.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)) else {
-        return Late::default();
+        return TimeShift::default();
     };
     let is_alike = |(_, residual): &&(f64, f64)| *residual <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
     let unsure_s = found.iter().filter(is_alike).map(|(late_s, _)| (late_s - best_s).abs());
     let longest_s = LATE_STEP_S * (f64::from(MAX_LATE) - 0.5);
     let turned = moved.iter().map(|moved| moved.turned_rad().powi(2)).sum::<f64>() / moved.len() as f64;
     let is_unlike = || residual(0.0).is_some_and(|as_stamped| as_stamped > UNLIKE * least);
-    Late {
+    TimeShift {
         by_s: best_s,
         unsure_s: unsure_s.fold(0.0, f64::max),
         is_beyond: best_s.abs() > longest_s && turned > LEAST_TURN_RAD.powi(2) && is_unlike(),
     }
 }
 
-pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
+pub(crate) fn pose_at(turned: &Orientations, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
     let rotation: UnitQuaternion<f64> = turned.at(t_s, MAX_STEP_S)?;
     Some(Isometry3::from_parts(Translation3::from(*place), rotation))
 }

@@ -5,7 +5,7 @@
 use nalgebra::{Isometry3, Point3};
 
 use crate::analysis::hand_eye::{is_by_scans, pose_at, tied};
-use crate::analysis::motion::{Motion, Turned};
+use crate::analysis::motion::{Motion, Orientations};
 use crate::analysis::{Estimates, lidar::Clouds, scan_motion::moved::Moment};
 use crate::math::crispness::occupied_cells;
 use crate::verdict::NotEvaluated;
@@ -47,10 +47,10 @@ pub(crate) fn maps(
     let lidar = clouds.frame().ok_or_else(|| missing("the clouds have no `frame_id`"))?;
     let tied = tied(world, &motion, clouds, &lidar);
     let own = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
-    let (poses, body, told) = own.max_by_key(|(poses, ..)| poses.rows().count()).ok_or_else(|| {
+    let (poses, body, stated) = own.max_by_key(|(poses, ..)| poses.rows().count()).ok_or_else(|| {
         missing("no poses to compare with: record those of a frame that TF ties to the lidar, other than from scans")
     })?;
-    let (turned, track) = (Turned::of(poses), poses.track());
+    let (turned, track) = (Orientations::of(poses), poses.track());
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
     let mut way_m = 0.0;
     let mut cells = vec![0; turns.len()];
@@ -70,7 +70,7 @@ pub(crate) fn maps(
             way_m += from.inv_mul(to).translation.vector.norm();
         }
         for (turn, count) in turns.iter().zip(&mut cells) {
-            let mounting = told * turn;
+            let mounting = stated * turn;
             let points = placed.iter().flat_map(|(pose, points)| {
                 let first_from_lidar = first.inv_mul(pose) * mounting;
                 let level = points.iter().filter(|point| point[2].abs() <= grid.level_m);

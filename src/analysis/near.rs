@@ -40,7 +40,7 @@ const OPPOSITES: &[&[&str]] = &[
 
 /// A name that was probably meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Near<'a> {
+pub(crate) struct SimilarName<'a> {
     /// The name.
     pub(crate) frame: &'a FrameId,
     /// Number of edits between the two, 0 where only separators, endings or namespaces differ.
@@ -74,19 +74,19 @@ const MOST_COMPARED: usize = 10_000_000;
 #[derive(Debug, Default)]
 pub(crate) struct Names<'a> {
     /// By the name without separators.
-    squeezed: BTreeMap<String, Vec<Known<'a>>>,
+    squeezed: BTreeMap<String, Vec<KnownName<'a>>>,
     /// By the part after the last slash.
-    last: BTreeMap<String, Vec<Known<'a>>>,
+    last: BTreeMap<String, Vec<KnownName<'a>>>,
     /// By the name without separators and endings.
-    core: BTreeMap<String, Vec<Known<'a>>>,
+    core: BTreeMap<String, Vec<KnownName<'a>>>,
     /// By the digits, in order, and the number of characters: edits change no digit.
-    sized: BTreeMap<(String, usize), Vec<Known<'a>>>,
+    sized: BTreeMap<(String, usize), Vec<KnownName<'a>>>,
     /// Letters that were compared.
     compared: Cell<usize>,
 }
 
 /// A name, and in lower case.
-type Known<'a> = (&'a FrameId, Rc<str>);
+type KnownName<'a> = (&'a FrameId, Rc<str>);
 
 impl<'a> Names<'a> {
     /// An index of names.
@@ -94,7 +94,7 @@ impl<'a> Names<'a> {
         let mut index = Self::default();
         for name in names {
             let lower: Rc<str> = name.as_str().to_lowercase().into();
-            let add = |map: &mut BTreeMap<String, Vec<Known<'a>>>, key: String| {
+            let add = |map: &mut BTreeMap<String, Vec<KnownName<'a>>>, key: String| {
                 map.entry(key).or_default().push((name, Rc::clone(&lower)));
             };
             add(&mut index.squeezed, squeeze(&lower));
@@ -108,7 +108,7 @@ impl<'a> Names<'a> {
 
     /// The name that `name` was probably meant to be, nearest first, then by name. Names that differ only in case, or by a number or a pair
     /// such as left and right, are none.
-    pub(crate) fn nearest(&self, name: &FrameId, reach: Reach) -> Option<Near<'a>> {
+    pub(crate) fn nearest(&self, name: &FrameId, reach: Reach) -> Option<SimilarName<'a>> {
         let name = name.as_str().to_lowercase();
         self.alike(&name).or_else(|| self.edited(&name, reach))
     }
@@ -119,14 +119,14 @@ impl<'a> Names<'a> {
     }
 
     /// The first name that differs in separators, else in namespace or ending.
-    fn alike(&self, name: &str) -> Option<Near<'a>> {
-        fn among<'m, 'a>(map: &'m BTreeMap<String, Vec<Known<'a>>>, key: &str) -> &'m [Known<'a>] {
+    fn alike(&self, name: &str) -> Option<SimilarName<'a>> {
+        fn among<'m, 'a>(map: &'m BTreeMap<String, Vec<KnownName<'a>>>, key: &str) -> &'m [KnownName<'a>] {
             map.get(key).map_or(&[], Vec::as_slice)
         }
         let core = core(name);
         let squeezed = among(&self.squeezed, &squeeze(name)).iter();
         let squeezed = squeezed.map(|known| (known, 0, "differs only in separators"));
-        let is_bare = |known: &&Known| !name.contains('/') || !known.1.contains('/');
+        let is_bare = |known: &&KnownName| !name.contains('/') || !known.1.contains('/');
         let last = among(&self.last, last(name)).iter().filter(is_bare);
         let last = last.map(|known| (known, 1, "differs only in the namespace"));
         let ended = among(&self.core, &core).iter().filter(|_| !core.is_empty());
@@ -134,11 +134,11 @@ impl<'a> Names<'a> {
         let found = squeezed.chain(last).chain(ended);
         let others = found.filter(|((_, lower), ..)| **lower != *name);
         let ((frame, _), _, how) = others.min_by_key(|((frame, _), rank, _)| (*rank, *frame))?;
-        Some(Near { frame, edits: 0, how })
+        Some(SimilarName { frame, edits: 0, how })
     }
 
     /// The name with the fewest edits, of those of nearly the same length.
-    fn edited(&self, name: &str, reach: Reach) -> Option<Near<'a>> {
+    fn edited(&self, name: &str, reach: Reach) -> Option<SimilarName<'a>> {
         let length = name.chars().count();
         let sizes = length.saturating_sub(reach.max_edits).max(reach.min_length)..=length + reach.max_edits;
         if length < reach.min_length {
@@ -163,7 +163,7 @@ impl<'a> Names<'a> {
         }
         let (edits, frame) = best?;
         let how = "differs only by a typo";
-        Some(Near { frame, edits, how })
+        Some(SimilarName { frame, edits, how })
     }
 }
 

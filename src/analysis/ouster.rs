@@ -60,7 +60,7 @@ pub(crate) fn is_ouster(tokens: &[String]) -> bool {
 
 /// What a name means.
 #[derive(Clone, Copy)]
-enum Meant {
+enum NameMeaning {
     /// The Sensor frame.
     Sensor,
     /// That of a part.
@@ -68,16 +68,16 @@ enum Meant {
 }
 
 /// What a frame's name means.
-fn meant(frame: &FrameId, is_metadata: bool) -> Option<Meant> {
+fn meant(frame: &FrameId, is_metadata: bool) -> Option<NameMeaning> {
     let tokens = frame.tokens();
     if !is_metadata && !is_ouster(&tokens) {
         return None;
     }
     match tokens.last().map(String::as_str)? {
-        "sensor" => Some(Meant::Sensor),
-        "lidar" => Some(Meant::Of(OusterPart::Lidar)),
-        "imu" => Some(Meant::Of(OusterPart::Imu)),
-        "beam" if is_metadata => Some(Meant::Of(OusterPart::Beam)),
+        "sensor" => Some(NameMeaning::Sensor),
+        "lidar" => Some(NameMeaning::Of(OusterPart::Lidar)),
+        "imu" => Some(NameMeaning::Of(OusterPart::Imu)),
+        "beam" if is_metadata => Some(NameMeaning::Of(OusterPart::Beam)),
         _ => None,
     }
 }
@@ -111,11 +111,14 @@ impl<'w> Part<'w> {
         }
         let known = [&statement.target, &statement.source_frame].map(|name| meant(name, is_key));
         let (part, pose) = match known {
-            [Some(Meant::Of(OusterPart::Lidar)), Some(Meant::Of(OusterPart::Beam))] => {
-                (OusterPart::Beam, statement.pose)
+            [
+                Some(NameMeaning::Of(OusterPart::Lidar)),
+                Some(NameMeaning::Of(OusterPart::Beam)),
+            ] => (OusterPart::Beam, statement.pose),
+            [Some(NameMeaning::Sensor), Some(NameMeaning::Of(part))] if part != OusterPart::Beam => {
+                (part, statement.pose)
             }
-            [Some(Meant::Sensor), Some(Meant::Of(part))] if part != OusterPart::Beam => (part, statement.pose),
-            [Some(Meant::Of(part)), Some(Meant::Sensor)] if part != OusterPart::Beam => {
+            [Some(NameMeaning::Of(part)), Some(NameMeaning::Sensor)] if part != OusterPart::Beam => {
                 (part, statement.pose.inverse())
             }
             _ => return None,

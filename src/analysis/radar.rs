@@ -2,12 +2,12 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::motion::{Course, Motion, Stream, Track, Turned};
+use crate::analysis::motion::{Course, Motion, Orientations, Stream, Track};
 use crate::analysis::{Estimates, motion::mount::mount, scan_motion::moved::Moment};
 use crate::math::circular::wrapped;
-use crate::math::doppler::{Near, Sight, agreeing, ego, found};
+use crate::math::doppler::{Detection, MatchGate, agreeing, ego, found};
 use crate::source::Place;
-use crate::world::bag::{Said, TopicEvidence};
+use crate::world::bag::{TopicContent, TopicEvidence};
 use crate::world::radar::{RadarEvidence, RadarForm, RadarSweep, SpeedForm};
 use crate::world::{BagEvidence, FrameId, World, motion::PoseRow};
 
@@ -60,7 +60,7 @@ pub(crate) struct Radar<'w> {
     /// Index of the recording in the world.
     pub(crate) index: usize,
     pub(crate) bag: &'w BagEvidence,
-    pub(crate) said: Said<'w>,
+    pub(crate) said: TopicContent<'w>,
     pub(crate) evidence: &'w RadarEvidence,
 }
 
@@ -70,7 +70,7 @@ impl<'w> Radar<'w> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {
             bag.topics
                 .values()
-                .flat_map(TopicEvidence::said)
+                .flat_map(TopicEvidence::contents)
                 .filter_map(move |said| {
                     let evidence = said.content.radar.as_deref()?;
                     let is_sure = evidence.form != RadarForm::Cloud || evidence.speeds == SpeedForm::Radial;
@@ -102,7 +102,7 @@ impl<'w> Radar<'w> {
 }
 
 /// A source of the platform's motion, with the radar's mounting.
-pub(crate) struct Way {
+pub(crate) struct MotionSource {
     /// Its name in reports, and its place.
     pub(crate) subject: String,
     pub(crate) place: Place,
@@ -111,16 +111,16 @@ pub(crate) struct Way {
     pub(crate) radar: FrameId,
     pub(crate) body_from_radar: Isometry3<f64>,
     stamp_offset_s: Option<f64>,
-    by: By,
+    by: MotionData,
 }
 
-enum By {
-    Poses(Turned, std::sync::Arc<Track>),
+enum MotionData {
+    Poses(Orientations, std::sync::Arc<Track>),
     /// GNSS fixes, which cannot distinguish forward from backward.
     Courses(Vec<Vec<Course>>),
 }
 
-impl Way {
+impl MotionSource {
     /// Every one that the radar is tied to: poses of a body first, then GNSS fixes with a base.
     pub(crate) fn all(world: &Estimates, radar: &Radar) -> Vec<Self> {
         let motion = Motion::of(world);
@@ -137,7 +137,7 @@ impl Way {
                 radar: frame.clone(),
                 body_from_radar,
                 stamp_offset_s: poses.stamp_offset_s,
-                by: By::Poses(Turned::of(poses), poses.track()),
+                by: MotionData::Poses(Orientations::of(poses), poses.track()),
             })
         });
         let fixes = bag.fixes.iter().filter_map(|fixes| {
@@ -149,7 +149,7 @@ impl Way {
                 radar: frame.clone(),
                 body_from_radar: mount.base_from_sensor,
                 stamp_offset_s: fixes.stamp_offset_s,
-                by: By::Courses(fixes.track().courses(1.0)),
+                by: MotionData::Courses(fixes.track().courses(1.0)),
             })
         });
         poses.chain(fixes).collect()
@@ -157,20 +157,20 @@ impl Way {
 
     /// Whether it distinguishes forward from backward motion.
     pub(crate) fn knows_forward(&self) -> bool {
-        matches!(self.by, By::Poses(..))
+        matches!(self.by, MotionData::Poses(..))
     }
 
     /// Velocity and angular velocity of the body in its own axes, m/s and rad/s.
     fn at(&self, t_s: f64) -> Option<[Vector3<f64>; 2]> {
         match &self.by {
-            By::Poses(turned, track) => {
+            MotionData::Poses(turned, track) => {
                 let [before_s, after_s] = [t_s - HALF_S, t_s + HALF_S];
                 let way = track.at(after_s)? - track.at(before_s)?;
                 let [before, now, after] = [before_s, t_s, after_s].map(|t_s| turned.at(t_s, MAX_STEP_S));
                 let rate = (before?.inverse() * after?).scaled_axis() / (2.0 * HALF_S);
                 Some([now?.inverse() * way / (2.0 * HALF_S), rate])
             }
-            By::Courses(runs) => {
+            MotionData::Courses(runs) => {
                 let near = |pair: &[Course]| matches!(pair, [a, b] if a.t_s <= t_s && t_s <= b.t_s && b.t_s - a.t_s <= COURSES_S);
                 let pair = runs.iter().flat_map(|run| run.windows(2)).find(|pair| near(pair))?;
                 let [a, b] = pair else { return None };
@@ -186,7 +186,7 @@ impl Way {
 
 /// Requirements for a scan.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct ScanCriteria {
     pub(crate) min_speed_m_s: f64,
     pub(crate) min_detections: usize,
     pub(crate) tolerance_m_s: f64,
@@ -214,15 +214,15 @@ pub(crate) struct Scan<'w> {
 }
 
 impl Scan<'_> {
-    fn sights(&self, way: &Way) -> Vec<Sight> {
+    fn sights(&self, way: &MotionSource) -> Vec<Detection> {
         sights(self.sweep, way)
     }
 }
 
-fn sights(sweep: &RadarSweep, way: &Way) -> Vec<Sight> {
+fn sights(sweep: &RadarSweep, way: &MotionSource) -> Vec<Detection> {
     let sight = |[x, y, z, rate]: &[f64; 4]| {
         let direction = Vector3::new(*x, *y, *z).try_normalize(1e-6)?;
-        Some(Sight {
+        Some(Detection {
             direction: way.body_from_radar.rotation * direction,
             rate: *rate,
         })
@@ -231,7 +231,7 @@ fn sights(sweep: &RadarSweep, way: &Way) -> Vec<Sight> {
 }
 
 /// The scans of a radar with enough detections while the platform is fast enough, and how many have enough at any speed.
-pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<Scan<'w>>, usize) {
+pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &MotionSource, wanted: &ScanCriteria) -> (Vec<Scan<'w>>, usize) {
     let start_ns = radar.bag.start_ns.unwrap_or_default();
     let (mut all, mut enough) = (Vec::new(), 0);
     for (run, sweeps) in radar.evidence.runs.iter().enumerate() {
@@ -253,8 +253,8 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
             let sights = sights(sweep, way);
             let Some(ego) = ego(&sights, tolerance) else { continue };
             let expected = at_radar.xy();
-            let shows = |sight: &&Sight| sight.direction.xy().dot(&expected).abs() > 3.0 * tolerance;
-            let showing: Vec<Sight> = sights.iter().filter(shows).copied().collect();
+            let shows = |sight: &&Detection| sight.direction.xy().dot(&expected).abs() > 3.0 * tolerance;
+            let showing: Vec<Detection> = sights.iter().filter(shows).copied().collect();
             let most = [expected, -expected].map(|velocity| agreeing(&showing, &velocity, tolerance));
             let [on, of] = ego.share.map(|count| count as f64);
             all.push(Scan {
@@ -275,7 +275,7 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
 
 /// Number of detections found again in a later scan with their rates as published, and with the opposite sign: only those that agree
 /// with the velocity of their scan, and that moved at least this far.
-pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -> [usize; 2] {
+pub(crate) fn found_again(scans: &[Scan], way: &MotionSource, least_m: f64, near: MatchGate) -> [usize; 2] {
     let mut counts = [0; 2];
     let radar_from_body = way.body_from_radar.rotation.inverse();
     for (at, scan) in scans.iter().enumerate() {

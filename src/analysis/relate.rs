@@ -9,7 +9,7 @@ use crate::verdict::Measured;
 
 /// Limits within which two transforms are equal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Same {
+pub(crate) struct PoseTolerance {
     /// Rotation, degrees.
     pub(crate) deg: f64,
     /// Translation, metres.
@@ -29,7 +29,7 @@ pub(crate) struct Difference {
 
 impl Difference {
     /// Compares two `parent_from_child` of one pair of frames; either may be wrong.
-    pub(crate) fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, same: Same) -> Self {
+    pub(crate) fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, same: PoseTolerance) -> Self {
         let difference = classify_either_way(a, b, &Tolerance::default()).classification;
         let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
         let is_same = deg <= same.deg && m <= same.m;

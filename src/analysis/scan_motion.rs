@@ -9,10 +9,10 @@ use std::rc::Rc;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::ground::{Ground, Planes, SIDES, sensor_in_cloud};
-use crate::analysis::scan_motion::moved::{Moment, Moved};
-use crate::analysis::scan_motion::run::{Matching, Raw, Seen};
+use crate::analysis::scan_motion::moved::{Moment, ScanStep};
+use crate::analysis::scan_motion::run::{CloudPose, Matching, RawCloud};
 use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, motion::mount::mount};
-use crate::math::{stats::median, support::Support};
+use crate::math::{stats::median, support_plane::SupportPlane};
 use crate::world::{World, cloud::CloudSlice};
 
 pub(crate) mod moved;
@@ -39,7 +39,7 @@ pub(crate) struct Steps {
     pub(crate) why: &'static str,
     /// Rotates the cloud's axes so that its z is normal to the ground, up or down as before.
     level_from_cloud: UnitQuaternion<f64>,
-    runs: Vec<Vec<Seen>>,
+    runs: Vec<Vec<CloudPose>>,
 }
 
 impl Steps {
@@ -49,7 +49,7 @@ impl Steps {
     }
 
     /// `from_cloud_from_to_cloud`: pose of the later sensor in the axes of the earlier one.
-    pub(crate) fn in_cloud(&self, moved: &Moved) -> Isometry3<f64> {
+    pub(crate) fn in_cloud(&self, moved: &ScanStep) -> Isometry3<f64> {
         let place = moved.motion.translation.vector;
         let flat = Isometry3::from_parts(
             Translation3::new(place.x, place.y, 0.0),
@@ -59,16 +59,16 @@ impl Steps {
     }
 
     /// Consecutive steps, chained until they are enough.
-    pub(crate) fn chained(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+    pub(crate) fn chained(&self, is_enough: impl Fn(&ScanStep) -> bool) -> Vec<ScanStep> {
         self.put_together(is_enough, false)
     }
 
     /// The same, with the rest at the end of each run.
-    pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+    pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&ScanStep) -> bool) -> Vec<ScanStep> {
         self.put_together(is_enough, true)
     }
 
-    fn put_together(&self, is_enough: impl Fn(&Moved) -> bool, keeps_rest: bool) -> Vec<Moved> {
+    fn put_together(&self, is_enough: impl Fn(&ScanStep) -> bool, keeps_rest: bool) -> Vec<ScanStep> {
         let mut chained = Vec::new();
         for run in &self.runs {
             let Some((mut from, rest)) = run.split_first() else {
@@ -146,7 +146,7 @@ struct Flattening {
     is_up: Option<bool>,
     level_from_cloud: UnitQuaternion<f64>,
     /// The ground, whose points are left out, and the sensor's position in the cloud, metres.
-    ground: Option<(Upright, Vector3<f64>)>,
+    ground: Option<(LidarAttitude, Vector3<f64>)>,
 }
 
 impl Flattening {
@@ -168,7 +168,7 @@ impl Flattening {
             Some(_) => return Err(NO_GROUND),
             None => None,
         };
-        let Some((is_up, upright)) = is_up.and_then(|is_up| Some((is_up, Upright::of(&grounds, is_up)?))) else {
+        let Some((is_up, upright)) = is_up.and_then(|is_up| Some((is_up, LidarAttitude::of(&grounds, is_up)?))) else {
             return Ok(Self::default());
         };
         let sensor = sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
@@ -190,14 +190,14 @@ impl Flattening {
 }
 
 /// The clouds of a topic above the ground, with z up.
-pub(crate) struct Standing {
+pub(crate) struct LevelClouds {
     /// Rotates the cloud's axes so that its z points up, away from the ground.
     pub(crate) up_from_cloud: UnitQuaternion<f64>,
     /// Times and points of the clouds of each run, as measured, without the ground, metres.
     pub(crate) runs: Vec<Vec<(Moment, Vec<Vector2<f64>>)>>,
 }
 
-impl Standing {
+impl LevelClouds {
     /// `None` if nothing shows which way is up.
     pub(crate) fn of(world: &Estimates, clouds: &Clouds) -> Option<Self> {
         let level = Flattening::of(world, clouds, &Planes::of(world)).ok()?;
@@ -222,7 +222,7 @@ impl Standing {
 }
 
 /// Attitude of a lidar above the ground.
-struct Upright {
+struct LidarAttitude {
     /// The normal of the ground, in the axes of the cloud.
     up: Vector3<f64>,
     /// Height of the sensor, metres.
@@ -230,7 +230,7 @@ struct Upright {
     level_from_cloud: UnitQuaternion<f64>,
 }
 
-impl Upright {
+impl LidarAttitude {
     /// By the grounds of its clouds, which are below or above it along z.
     fn of(grounds: &[Ground], is_up: bool) -> Option<Self> {
         let sign = if is_up { 1.0 } else { -1.0 };
@@ -240,8 +240,8 @@ impl Upright {
                 .map(|ground| ground.plane)
                 .filter(|plane| sign * plane.normal.z > 0.0)
         };
-        let middle = |of: fn(&Support) -> f64| median(&of_that_side().map(|plane| of(&plane)).collect::<Vec<_>>());
-        let [x, y, z]: [fn(&Support) -> f64; 3] =
+        let middle = |of: fn(&SupportPlane) -> f64| median(&of_that_side().map(|plane| of(&plane)).collect::<Vec<_>>());
+        let [x, y, z]: [fn(&SupportPlane) -> f64; 3] =
             [|plane| plane.normal.x, |plane| plane.normal.y, |plane| plane.normal.z];
         let up = Vector3::new(middle(x)?, middle(y)?, middle(z)?).try_normalize(0.5)?;
         Some(Self {
@@ -264,13 +264,15 @@ fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
 }
 
 /// The matched clouds of each run; `flat` projects the points that are used.
-fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<Seen>> {
+fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<CloudPose>> {
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
     let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
     let second = unit_of_times(&clouds.evidence.runs, moment);
     let mut runs = Vec::new();
     for run in &clouds.evidence.runs {
-        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &flat));
+        let mut raw = run
+            .iter()
+            .map(|slice| RawCloud::of(moment(slice), slice, second, &flat));
         let Some(first) = raw.next() else { continue };
         let mut matching = Matching::of(first);
         for raw in raw {
@@ -312,7 +314,7 @@ mod tests {
     use nalgebra::Isometry2;
 
     fn ground(up: Vector3<f64>) -> Ground {
-        let plane = Support {
+        let plane = SupportPlane {
             normal: up,
             height_m: 1.8,
             points: 100,
@@ -342,7 +344,7 @@ mod tests {
         for (roll, is_up) in [(0.0, true), (std::f64::consts::PI, false)] {
             let body_from_lidar = UnitQuaternion::from_euler_angles(roll, 0.2, 0.0);
             let up = body_from_lidar.inverse() * Vector3::z();
-            let upright = Upright::of(&[ground(up), ground(-up)], is_up).unwrap();
+            let upright = LidarAttitude::of(&[ground(up), ground(-up)], is_up).unwrap();
             assert!((upright.up - up).norm() < 1e-12 && (upright.height_m - 1.8).abs() < 1e-12);
             let steps = Steps {
                 is_up: Some(is_up),
@@ -353,7 +355,7 @@ mod tests {
             let flat = level * body * level.inverse();
             assert!(flat.translation.z.abs() < 1e-12, "{flat}");
             let moment = Moment::new(None, 0, 0);
-            let moved = Moved {
+            let moved = ScanStep {
                 from: moment,
                 to: moment,
                 motion: Isometry2::new(flat.translation.vector.xy(), flat.rotation.scaled_axis().z),

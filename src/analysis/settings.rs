@@ -4,17 +4,17 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-type Kept = Arc<dyn Any + Send + Sync>;
-type Load = Box<dyn Fn() -> Option<Kept> + Send + Sync>;
+type AnyLimits = Arc<dyn Any + Send + Sync>;
+type Load = Box<dyn Fn() -> Option<AnyLimits> + Send + Sync>;
 
 /// The limits in force. Each set is loaded on first use, since a run needs those of few rules.
 #[derive(Default)]
-pub struct Settings(HashMap<TypeId, (Load, OnceLock<Option<Kept>>)>);
+pub struct Settings(HashMap<TypeId, (Load, OnceLock<Option<AnyLimits>>)>);
 
 impl Settings {
     /// Adds the limits of one type.
     pub fn add<L: Any + Send + Sync>(&mut self, load: impl Fn() -> Option<L> + Send + Sync + 'static) {
-        let load: Load = Box::new(move || load().map(|limits| Arc::new(limits) as Kept));
+        let load: Load = Box::new(move || load().map(|limits| Arc::new(limits) as AnyLimits));
         self.0.insert(TypeId::of::<L>(), (load, OnceLock::new()));
     }
 

@@ -192,7 +192,7 @@ pub(crate) fn without_static(bag: &BagEvidence) -> BTreeMap<FrameId, &MessageRef
 }
 
 /// One use of a frame in a bag.
-pub(crate) struct Used<'a> {
+pub(crate) struct BagFrameUse<'a> {
     /// The topic.
     pub(crate) topic: &'a TopicEvidence,
     /// What its header frame is for.
@@ -204,8 +204,8 @@ pub(crate) struct Used<'a> {
 }
 
 /// Header and odometry child frames by name, canonical; those that nobody looks up are left out.
-pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>>> {
-    let mut uses: BTreeMap<FrameId, Vec<Used>> = BTreeMap::new();
+pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<BagFrameUse<'_>>> {
+    let mut uses: BTreeMap<FrameId, Vec<BagFrameUse>> = BTreeMap::new();
     for topic in bag.topics.values() {
         let kind = header_use(&topic.message_type);
         // Only sensors need a frame: an empty one is normal elsewhere.
@@ -214,7 +214,7 @@ pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>
         };
         let named = topic.header_frames.iter().chain(&topic.child_frames);
         for (frame, HeaderFrame { count, first }) in named.filter(|(frame, _)| wanted(frame)) {
-            uses.entry(frame.canonical()).or_default().push(Used {
+            uses.entry(frame.canonical()).or_default().push(BagFrameUse {
                 topic,
                 kind,
                 first,
@@ -270,7 +270,7 @@ pub(crate) fn is_standard(frame: &FrameId, kind: Standard) -> bool {
 }
 
 /// The `map` frames that messages name, while TF moves something in `odom` and does not connect a `map` to it; with their uses.
-pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<Used<'a>>> {
+pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<BagFrameUse<'a>>> {
     let space = |frame: &FrameId| names::standard(frame).map_or("", |(space, _)| space).to_owned();
     let known = frames(bag);
     let corrects =

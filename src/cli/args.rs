@@ -117,11 +117,11 @@ pub(super) struct Input {
     #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) reading: Reading,
+    pub(super) reading: ReadOptions,
 }
 
 #[derive(Clone, Debug, Args)]
-pub(super) struct Reading {
+pub(super) struct ReadOptions {
     /// Argument for xacro files; repeatable
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
@@ -163,7 +163,7 @@ pub(super) enum Xacro {
     Run,
 }
 
-impl Reading {
+impl ReadOptions {
     /// The engine's options for these paths.
     pub(super) fn options(self, paths: Vec<PathBuf>, surroundings: Surroundings) -> engine::Options {
         engine::Options {
@@ -237,12 +237,12 @@ pub(super) struct Check {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) write_baseline: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) fixing: Fixing,
+    pub(super) fixing: FixOptions,
     /// Check again whenever an input changes, until interrupted (Ctrl-C)
     #[arg(long, conflicts_with_all = ["fix", "unsafe_fixes", "diff", "write_baseline"])]
     pub(super) watch: bool,
     #[command(flatten)]
-    pub(super) reading: Reading,
+    pub(super) reading: ReadOptions,
     /// Rules to run: codes, names or families, comma-separated (default: all)
     #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) select: Vec<String>,
@@ -250,7 +250,7 @@ pub(super) struct Check {
     #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) ignore: Vec<String>,
     #[command(flatten)]
-    pub(super) reporting: Reporting,
+    pub(super) reporting: ReportOptions,
     #[command(flatten)]
     pub(super) views: Views,
     /// Print the time spent on each input and rule to standard error
@@ -302,7 +302,7 @@ pub(super) struct View {
 
 /// Fixes to apply or to show.
 #[derive(Clone, Copy, Debug, Args)]
-pub(super) struct Fixing {
+pub(super) struct FixOptions {
     /// Apply the safe fixes, then check again and report the remaining findings
     #[arg(long)]
     pub(super) fix: bool,
@@ -316,7 +316,7 @@ pub(super) struct Fixing {
 
 /// Parts to leave out of a report for people.
 #[derive(Clone, Copy, Debug, Args)]
-pub(super) struct Less {
+pub(super) struct Omissions {
     /// Show only findings and inputs with problems
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
@@ -325,7 +325,7 @@ pub(super) struct Less {
     statistics: bool,
 }
 
-impl Less {
+impl Omissions {
     pub(super) fn parts(self) -> Parts {
         match (self.quiet, self.statistics) {
             (true, _) => Parts::Findings,
@@ -337,7 +337,7 @@ impl Less {
 
 /// How results are reported.
 #[derive(Debug, Args)]
-pub(super) struct Reporting {
+pub(super) struct ReportOptions {
     /// Lowest severity that gives exit code 1; hints never do
     ///
     /// Default: `fail-on` of the configuration, else error.
@@ -356,7 +356,7 @@ pub(super) struct Reporting {
     #[arg(long)]
     pub(super) all: bool,
     #[command(flatten)]
-    pub(super) less: Less,
+    pub(super) less: Omissions,
     /// Write the report to a file; repeatable, one format per file
     ///
     /// The format follows from the file's extension (.sarif, .html, .json, .jsonl, .xml, .md) unless --format names another.
@@ -372,7 +372,7 @@ pub(super) struct Reporting {
     pub(super) force: bool,
 }
 
-impl Reporting {
+impl ReportOptions {
     /// The files to write: reports and others.
     pub(super) fn outputs<'o>(&self, others: impl IntoIterator<Item = &'o Option<PathBuf>>) -> Outputs {
         let reports = self.output.iter().map(|output| output.file.clone());
@@ -431,7 +431,7 @@ pub(super) struct Chain {
     #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) reporting: Reporting,
+    pub(super) reporting: ReportOptions,
 }
 
 #[derive(Debug, Args)]
@@ -491,7 +491,7 @@ pub(super) struct Diff {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) reading: Reading,
+    pub(super) reading: ReadOptions,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

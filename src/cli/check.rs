@@ -13,7 +13,7 @@ use crate::rules::codes;
 use crate::run::{EXIT_USAGE, Run};
 use crate::verdict::KeptOutcomes;
 
-use super::args::{Chain, Check, Color, Reporting};
+use super::args::{Chain, Check, Color, ReportOptions};
 use super::stream::{Stream, print_json, save_json};
 use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
@@ -46,19 +46,19 @@ pub(super) fn run(
             rewritten: check.write_baseline.clone(),
             ..check.reporting.outputs([&check.write_baseline, &check.views.rrd])
         },
-        verdicts: engine::Verdicts::Each,
+        verdicts: engine::VerdictScope::Each,
         outcomes: match (check.reporting.verbose, check.reporting.has(Format::Html)) {
             (true, _) => KeptOutcomes::Listed,
             (false, true) => KeptOutcomes::Shown,
             (false, false) if is_final && check.views.rrd.is_none() && check.reporting.streams() => {
-                KeptOutcomes::Untold
+                KeptOutcomes::Unreported
             }
             (false, false) => KeptOutcomes::Applicable,
         },
         sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
-            (Some(_), _) => engine::Sights::Everything,
-            (None, true) => engine::Sights::Plots,
-            (None, false) => engine::Sights::None,
+            (Some(_), _) => engine::Retention::Everything,
+            (None, true) => engine::Retention::Plots,
+            (None, false) => engine::Retention::None,
         },
         select: check.select,
         ignore: check.ignore,
@@ -108,7 +108,7 @@ pub(super) fn run(
     if let Some(file) = &check.views.rrd {
         said.push_str(&view::save(&run, file, check.views.max_size)?);
     }
-    let mut answer = tell(&mut run, &check.reporting, call, (stream, stdout), surroundings)?;
+    let mut answer = write_reports(&mut run, &check.reporting, call, (stream, stdout), surroundings)?;
     answer.err.insert_str(0, &said);
     if !is_written {
         answer.code = EXIT_USAGE;
@@ -137,20 +137,20 @@ pub(super) fn chain(
 ) -> Result<Answer, Failure> {
     let mut run = engine::check(&engine::Options {
         paths: paths(chain.paths, stdin)?,
-        wanted: engine::Wanted::Code,
+        wanted: engine::FileSelection::Code,
         outputs: chain.reporting.outputs([]),
         select: vec![codes::NAME08.to_string()],
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
     let call = call::of(arguments, &call::today()?);
-    tell(&mut run, &chain.reporting, call, (None, None), surroundings)
+    write_reports(&mut run, &chain.reporting, call, (None, None), surroundings)
 }
 
 /// Writes the reports of a run to their files and outputs; gives the exit code.
-fn tell(
+fn write_reports(
     run: &mut Run,
-    reporting: &Reporting,
+    reporting: &ReportOptions,
     mut call: report::Call,
     (stream, stdout): (Option<Stream>, Option<&mut dyn std::io::Write>),
     surroundings: Surroundings,

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use crate::convert::{self, Wish};
+use crate::convert::{self, ConvertRequest};
 use crate::engine;
 use crate::files::Outputs;
 use crate::report::{Style, terminal};
@@ -28,7 +28,7 @@ pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundin
             .options(paths(asked.input.paths, stdin)?, surroundings)
     })?;
     let mut frames = asked.frames.into_iter();
-    let wish = Wish {
+    let wish = ConvertRequest {
         to: asked.to,
         frames: frames.next().zip(frames.next()),
         key: asked.key,

@@ -15,7 +15,7 @@ pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Fa
     let read = |path: &std::path::Path| {
         engine::check(&engine::Options {
             config: asked.config.clone(),
-            verdicts: engine::Verdicts::One,
+            verdicts: engine::VerdictScope::One,
             ..asked.reading.clone().options(vec![path.to_path_buf()], surroundings)
         })
     };

@@ -9,14 +9,14 @@ use crate::fix;
 use crate::report::{plural, terminal};
 use crate::run::Run;
 
-use super::args::Reporting;
+use super::args::ReportOptions;
 use super::{Answer, Failure};
 
 /// A fix may make another one possible in the same place; more rounds than this never helped.
 const ROUNDS: usize = 8;
 
 /// Shows the fixes as a diff on standard output. The ending of the report goes to standard error; the exit code is the report's.
-pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &Reporting) -> Answer {
+pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &ReportOptions) -> Answer {
     let plan = fix::plan(run, all, checked(options));
     let fail_on = reporting.fail_on(run);
     let mut err = words(&plan, "would fix");

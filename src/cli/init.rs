@@ -34,7 +34,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
             force: init.force,
             ..Outputs::default()
         },
-        verdicts: engine::Verdicts::One,
+        verdicts: engine::VerdictScope::One,
         ..init.input.reading.options(inputs, surroundings)
     })?;
     let text = init::configuration(&run);

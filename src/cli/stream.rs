@@ -5,10 +5,10 @@ use std::path::Path;
 
 use crate::files::Draft;
 use crate::report::{Format, ReportError, json, json_lines};
-use crate::run::{FailOn, Grown, Run};
+use crate::run::{FailOn, Run, RunUpdate};
 
 use super::Failure;
-use super::args::Reporting;
+use super::args::ReportOptions;
 
 /// Where the lines go, and the error that stopped them.
 pub(super) struct Stream<'w> {
@@ -56,7 +56,10 @@ pub(super) fn print_json(run: &Run, fail_on: FailOn, stdout: &mut dyn Write) -> 
 
 impl<'w> Stream<'w> {
     /// Opens every file and output that gets lines; `None` if none does.
-    pub(super) fn open(reporting: &Reporting, stdout: &mut Option<&'w mut dyn Write>) -> Result<Option<Self>, Failure> {
+    pub(super) fn open(
+        reporting: &ReportOptions,
+        stdout: &mut Option<&'w mut dyn Write>,
+    ) -> Result<Option<Self>, Failure> {
         let mut sinks: Vec<Sink<'w>> = Vec::new();
         for output in &reporting.output {
             if reporting.format_of(output) == Format::JsonLines {
@@ -74,7 +77,7 @@ impl<'w> Stream<'w> {
     }
 
     /// Writes what was added to the run.
-    pub(super) fn grown(&mut self, run: &Run, grown: &Grown) {
+    pub(super) fn grown(&mut self, run: &Run, grown: &RunUpdate) {
         let written = json_lines::grown(run, grown, &mut |lines| self.write(lines));
         self.pass_on(written.map(|()| String::new()));
     }

@@ -6,10 +6,10 @@ use crate::world::{FrameId, Pose};
 use super::content::poses::{Poses, finish_poses, push_pose};
 use super::content::steps::Steps;
 use super::point::Point;
-use super::series::Room;
+use super::series::RowBudget;
 use super::stamps::Stamps;
-use super::thin::{Share, Thinned};
-use super::writers::{Writer, Writers, Written};
+use super::thin::{SampleBudget, ThinnedSeries};
+use super::writers::{Writer, WriterCounts, Writers};
 
 /// tf2 drops a transform whose quaternion has `| |q|² - 1 |` of this or more: `QUATERNION_NORMALIZATION_TOLERANCE` in
 /// geometry2, tf2/src/buffer_core.cpp.
@@ -26,7 +26,7 @@ pub(super) struct EdgeState {
     pub(super) first: Point,
     pub(super) count: u64,
     last: Point,
-    samples: Thinned<(Point, Pose)>,
+    samples: ThinnedSeries<(Point, Pose)>,
     extreme: Option<Extreme>,
     previous: Option<(Point, Pose)>,
     /// How many repeat the stamp of the one before and differ, and the one that differs most.
@@ -38,7 +38,7 @@ pub(super) struct EdgeState {
     stamps: Stamps,
     steps: Steps,
     poses: Poses,
-    written: Written,
+    written: WriterCounts,
 }
 
 /// The sample that differs most from another.
@@ -51,13 +51,13 @@ struct Extreme {
 impl EdgeState {
     /// An edge that came `rank`-th, from 0.
     pub(super) fn new(key: Key, first: Point, rank: usize) -> Self {
-        let share = Share::of(rank);
+        let share = SampleBudget::of(rank);
         Self {
             key,
             first,
             count: 0,
             last: first,
-            samples: Thinned::new(share.poses),
+            samples: ThinnedSeries::new(share.poses),
             extreme: None,
             previous: None,
             contradictions: None,
@@ -67,8 +67,8 @@ impl EdgeState {
             worst_norm_error: 0.0,
             stamps: Stamps::new(share),
             steps: Steps::new(share),
-            poses: Poses::new(Room::of(rank)),
-            written: Written::default(),
+            poses: Poses::new(RowBudget::of(rank)),
+            written: WriterCounts::default(),
         }
     }
 
@@ -227,7 +227,7 @@ struct FaultState {
 }
 
 impl FaultState {
-    fn new(share: Share) -> Self {
+    fn new(share: SampleBudget) -> Self {
         Self {
             bound: share.examples,
             count: 0,

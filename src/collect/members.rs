@@ -10,9 +10,9 @@ use crate::world::bag::MemberEvidence;
 
 use super::content::Contents;
 use super::names::Names;
-use super::point::{On, Point};
-use super::series::Room;
-use super::thin::Share;
+use super::point::{Point, PointOwner};
+use super::series::RowBudget;
+use super::thin::SampleBudget;
 
 /// Bound on the members of all topics together; a driver has some five.
 pub(super) const MAX_MEMBERS: usize = 256;
@@ -25,12 +25,12 @@ pub(super) struct Members {
     rank: usize,
     time_fields: Arc<[String]>,
     of_type: usize,
-    known: BTreeMap<Arc<str>, Box<One>>,
+    known: BTreeMap<Arc<str>, Box<MemberState>>,
     /// Those beyond the bound.
     pub(super) refused: u64,
 }
 
-struct One {
+struct MemberState {
     guessed: bool,
     first: Point,
     frames: Names,
@@ -70,13 +70,13 @@ impl Members {
             };
             *room = left;
             let rank = self.rank + LATER * self.known.len();
-            let share = Share::of(rank).with_clouds(self.of_type + self.known.len());
-            let one = One {
+            let share = SampleBudget::of(rank).with_clouds(self.of_type + self.known.len());
+            let one = MemberState {
                 guessed: member.guessed,
                 first: point,
                 frames: Names::new(share),
                 children: Names::new(share),
-                contents: Contents::new(share, Room::of(rank), Arc::clone(&self.time_fields)),
+                contents: Contents::new(share, RowBudget::of(rank), Arc::clone(&self.time_fields)),
             };
             self.known.insert(Arc::clone(&member.field), Box::new(one));
         }
@@ -93,8 +93,8 @@ impl Members {
     }
 
     pub(super) fn finish(self, topic: &str) -> BTreeMap<String, MemberEvidence> {
-        let finish = |(field, one): (Arc<str>, Box<One>)| {
-            let on = On {
+        let finish = |(field, one): (Arc<str>, Box<MemberState>)| {
+            let on = PointOwner {
                 topic,
                 field: Some(&field),
             };

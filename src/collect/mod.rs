@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
+use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Selection, Visit};
 use crate::read::calibration::ouster::may_be_ouster;
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::Decoder;
@@ -53,7 +53,7 @@ const MAX_STRETCHES: usize = 10_000;
 
 /// The result of one recording.
 #[derive(Clone, Debug, Default)]
-pub struct Collected {
+pub struct Collection {
     /// Evidence and frame names; exactly one bag.
     pub facts: Facts,
     /// Texts of robot descriptions, each different one once, with the first message that carries it.
@@ -64,7 +64,7 @@ pub struct Collected {
 
 /// How a recording is read.
 #[derive(Clone, Debug, Default)]
-pub struct How {
+pub struct CollectOptions {
     /// Which part of it; everything where `None`.
     pub sampling: Option<Sampling>,
     /// The files of a split recording in order, where they are known to be one; empty otherwise.
@@ -77,14 +77,14 @@ pub struct How {
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
 /// `source`; what could be read before a fault is in the evidence.
-pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
+pub fn collect(path: &Path, how: &CollectOptions, source: &mut Source, progress: Progress<'_>) -> Collection {
     let mut collector = Collector {
         decoders: Decoders::new(Arc::clone(&how.definitions)),
         room_for_members: MAX_MEMBERS,
         time_fields: Arc::clone(&how.time_fields),
         ..Collector::default()
     };
-    let wanted = Wanted {
+    let wanted = Selection {
         sampling: how.sampling,
         throughout: &decides_the_tree,
         in_a_row: &is_matched,
@@ -112,7 +112,7 @@ fn is_matched(channel: &Channel) -> bool {
 }
 
 /// A channel that was announced.
-struct Told {
+struct ChannelState {
     /// Its topic's number.
     topic: usize,
     decoder: Decoder,
@@ -123,7 +123,7 @@ struct Told {
 struct Collector {
     decoders: Decoders,
     /// By the channel's number; `None` where there was no room for its topic.
-    channels: Vec<Option<Told>>,
+    channels: Vec<Option<ChannelState>>,
     topics: Vec<Topic>,
     topic_of: HashMap<String, usize>,
     tf: Tf,
@@ -166,15 +166,15 @@ impl Visit for Collector {
         }
         self.at_seam = false;
 
-        let Some(Some(told)) = self.channels.get(channel.number) else {
+        let Some(Some(state)) = self.channels.get(channel.number) else {
             return;
         };
-        let Some(topic) = self.topics.get_mut(told.topic) else {
+        let Some(topic) = self.topics.get_mut(state.topic) else {
             return;
         };
         let point = topic.next_point(message);
-        topic.written_by(told.writer);
-        let Content { header, body, members } = match told.decoder.decode(message.data) {
+        topic.written_by(state.writer);
+        let Content { header, body, members } = match state.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
         };
@@ -187,7 +187,7 @@ impl Visit for Collector {
                     topic.child(point, &transform.child);
                 }
             }
-            Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
+            Body::Transforms(transforms) => self.tf.message(state.topic, point, state.writer, &transforms),
             Body::ChildFrame(child) => topic.child(point, &child),
             Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
@@ -222,7 +222,7 @@ impl Visit for Collector {
 }
 
 impl Collector {
-    fn topic(&mut self, channel: &Channel) -> Option<Told> {
+    fn topic(&mut self, channel: &Channel) -> Option<ChannelState> {
         let format = Format {
             topic: &channel.topic,
             message_type: &channel.message_type,
@@ -255,7 +255,7 @@ impl Collector {
             topic.is_asked_for |= format.is_asked_for();
         }
         self.tf.topic(number, &channel.topic);
-        Some(Told {
+        Some(ChannelState {
             topic: number,
             decoder,
             writer: channel.writer.as_deref().and_then(|writer| self.writers.number(writer)),
@@ -270,7 +270,7 @@ impl Collector {
         }
     }
 
-    fn finish(self, source: &mut Source, extent: &Extent) -> Collected {
+    fn finish(self, source: &mut Source, extent: &Extent) -> Collection {
         self.problems(source);
         self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
@@ -302,7 +302,7 @@ impl Collector {
             annotations: self.annotations.kept,
             ..BagEvidence::new(source.id)
         };
-        Collected {
+        Collection {
             facts: Facts {
                 frames,
                 bags: vec![evidence],

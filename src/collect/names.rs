@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crate::world::FrameId;
 use crate::world::bag::HeaderFrame;
 
-use super::point::{On, Point};
-use super::thin::Share;
+use super::point::{Point, PointOwner};
+use super::thin::SampleBudget;
 
 /// Frame names with their count and first message, bounded.
 pub(super) struct Names {
@@ -18,7 +18,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: SampleBudget) -> Self {
         Self {
             bound: share.names,
             known: BTreeMap::new(),
@@ -36,7 +36,7 @@ impl Names {
         }
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> BTreeMap<FrameId, HeaderFrame> {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> BTreeMap<FrameId, HeaderFrame> {
         let of = |(name, (count, first)): (String, (u64, Point))| {
             let first = first.on(on);
             (FrameId::new(name), HeaderFrame { count, first })

@@ -18,26 +18,26 @@ pub(super) struct Point {
 
 /// What a point is of: a topic, or a member of its messages.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct On<'a> {
+pub(super) struct PointOwner<'a> {
     pub(super) topic: &'a str,
     pub(super) field: Option<&'a str>,
 }
 
-impl<'a> From<&'a str> for On<'a> {
+impl<'a> From<&'a str> for PointOwner<'a> {
     fn from(topic: &'a str) -> Self {
         Self { topic, field: None }
     }
 }
 
-impl<'a> From<&'a String> for On<'a> {
+impl<'a> From<&'a String> for PointOwner<'a> {
     fn from(topic: &'a String) -> Self {
         Self::from(topic.as_str())
     }
 }
 
 impl Point {
-    pub(super) fn on<'a>(self, on: impl Into<On<'a>>) -> MessageRef {
-        let On { topic, field } = on.into();
+    pub(super) fn on<'a>(self, on: impl Into<PointOwner<'a>>) -> MessageRef {
+        let PointOwner { topic, field } = on.into();
         let field = field.map(str::to_owned);
         MessageRef {
             topic: topic.to_owned(),

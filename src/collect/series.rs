@@ -14,14 +14,14 @@ const RESTART_NS: i64 = 1_000_000_000;
 
 /// How many rows a stream may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Room {
+pub(super) struct RowBudget {
     /// Rows of a block: rows are left out in whole blocks.
     block: usize,
     /// Blocks.
     blocks: usize,
 }
 
-impl Room {
+impl RowBudget {
     /// The room of the stream that came `rank`-th, from 0. The first streams keep half an hour at twenty rows a second.
     pub(super) fn of(rank: usize) -> Self {
         let (block, blocks) = match rank {
@@ -53,12 +53,12 @@ impl<const N: usize> Sample<N> {
 /// `N` where there is none.
 #[derive(Clone, Debug)]
 pub(super) struct Rows<const N: usize, const Q: usize> {
-    room: Room,
+    room: RowBudget,
     /// Whether a row is no mean: later messages only fill in what earlier ones left NaN.
     fills: bool,
     count: u64,
     /// The messages of the current row.
-    open: Option<Open<N>>,
+    open: Option<OpenBlock<N>>,
     stretch: u32,
     /// Every `stride`-th block is kept.
     stride: u64,
@@ -68,7 +68,7 @@ pub(super) struct Rows<const N: usize, const Q: usize> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Open<const N: usize> {
+struct OpenBlock<const N: usize> {
     first: Sample<N>,
     last: Sample<N>,
     sum: [f64; N],
@@ -84,7 +84,7 @@ struct Block<const N: usize> {
 }
 
 impl<const N: usize, const Q: usize> Rows<N, Q> {
-    pub(super) fn new(room: Room) -> Self {
+    pub(super) fn new(room: RowBudget) -> Self {
         Self {
             room,
             fills: false,
@@ -99,7 +99,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
 
     /// Rows that are no means: messages that follow each other closely hold different fields, and a row combines
     /// them.
-    pub(super) fn filled(room: Room) -> Self {
+    pub(super) fn filled(room: RowBudget) -> Self {
         Self {
             fills: true,
             ..Self::new(room)
@@ -142,7 +142,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
                 self.close();
             }
         }
-        self.open = Some(Open::new(sample));
+        self.open = Some(OpenBlock::new(sample));
     }
 
     /// Ends the current row.
@@ -195,7 +195,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
     }
 }
 
-impl<const N: usize> Open<N> {
+impl<const N: usize> OpenBlock<N> {
     fn new(sample: Sample<N>) -> Self {
         Self {
             first: sample,
@@ -273,14 +273,14 @@ mod tests {
 
     #[test]
     fn fast_messages_become_means_and_slow_ones_stay() {
-        let mut fast: Rows<4, 4> = Rows::new(Room::of(0));
+        let mut fast: Rows<4, 4> = Rows::new(RowBudget::of(0));
         for tick in 0..20 {
             fast.push(at(tick * 10), [tick as f64; 4]);
         }
         let rows = &stretches(fast)[0];
         assert_eq!(rows.iter().map(|row| row.0).collect::<Vec<_>>(), [20, 70, 120, 170]);
         assert_eq!(rows[1].1, [7.0; 4]);
-        let mut slow: Rows<4, 4> = Rows::new(Room::of(0));
+        let mut slow: Rows<4, 4> = Rows::new(RowBudget::of(0));
         for tick in 0..3 {
             slow.push(at(tick * 100), [tick as f64; 4]);
         }
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_two_signs_of_a_quaternion_do_not_cancel() {
-        let mut rows: Rows<4, 0> = Rows::new(Room::of(0));
+        let mut rows: Rows<4, 0> = Rows::new(RowBudget::of(0));
         rows.push(at(0), [0.0, 0.0, 0.6, 0.8]);
         rows.push(at(10), [0.0, 0.0, -0.6, -0.8]);
         assert_eq!(stretches(rows), [[(5, [0.0, 0.0, 0.6, 0.8])]]);
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn messages_that_say_different_things_fill_one_row() {
         const X: f64 = f64::NAN;
-        let mut rows: Rows<4, 4> = Rows::filled(Room::of(0));
+        let mut rows: Rows<4, 4> = Rows::filled(RowBudget::of(0));
         rows.push(at(0), [1.0, X, X, X]);
         rows.push(at(10), [9.0, 2.0, X, X]);
         rows.push(at(20), [X, X, 3.0, X]);
@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn seams_silences_and_restarts_end_a_stretch() {
-        let mut rows: Rows<4, 4> = Rows::new(Room::of(0));
+        let mut rows: Rows<4, 4> = Rows::new(RowBudget::of(0));
         for ms in [0, 100, 200] {
             rows.push(at(ms), [0.0; 4]);
         }
@@ -325,7 +325,7 @@ mod tests {
 
     #[test]
     fn a_long_stream_keeps_whole_blocks_over_its_length() {
-        let room = Room { block: 10, blocks: 4 };
+        let room = RowBudget { block: 10, blocks: 4 };
         let mut rows: Rows<4, 4> = Rows::new(room);
         for tick in 0..95 {
             rows.push(at(tick * 100), [0.0; 4]);
@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn messages_without_stamps_are_told_apart_by_their_log_time() {
-        let mut rows: Rows<4, 4> = Rows::new(Room::of(0));
+        let mut rows: Rows<4, 4> = Rows::new(RowBudget::of(0));
         for tick in 0..10 {
             let point = Point {
                 stamp_ns: None,

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use crate::world::bag::StampEvidence;
 
 use super::point::Point;
-use super::thin::{Reservoir, Share, Thinned};
+use super::thin::{Reservoir, SampleBudget, ThinnedSeries};
 
 /// A gap counts as long above three median steps and above this, nanoseconds.
 const LONG_GAP_NS: i64 = 1_000_000_000;
@@ -17,7 +17,7 @@ const LONG_GAP_NS: i64 = 1_000_000_000;
 #[derive(Clone, Debug)]
 pub(super) struct Stamps {
     count: u64,
-    samples: Thinned<(i64, i64)>,
+    samples: ThinnedSeries<(i64, i64)>,
     zero: u64,
     first_zero: Option<Point>,
     previous: Option<i64>,
@@ -33,10 +33,10 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: SampleBudget) -> Self {
         Self {
             count: 0,
-            samples: Thinned::new(share.stamps),
+            samples: ThinnedSeries::new(share.stamps),
             zero: 0,
             first_zero: None,
             previous: None,
@@ -132,7 +132,7 @@ mod tests {
 
     /// Evidence of stamps in milliseconds, logged every 100 ms.
     fn evidence(stamps_ms: &[i64]) -> StampEvidence {
-        let mut stamps = Stamps::new(Share::of(0));
+        let mut stamps = Stamps::new(SampleBudget::of(0));
         for (index, stamp) in (0..).zip(stamps_ms) {
             stamps.push(Point {
                 index,

@@ -8,7 +8,7 @@ use crate::world::cloud::{MAX_POINTS, MAX_RUNS, MAX_SAMPLES};
 /// How many samples one subject (a topic, an edge) may keep. The first subjects of a recording get full series; a
 /// recording with thousands of them, real or hostile, gets short ones, so that memory stays bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Share {
+pub(super) struct SampleBudget {
     /// Pairs of stamps.
     pub(super) stamps: usize,
     /// Steps between stamps.
@@ -31,7 +31,7 @@ pub(super) struct Share {
     pub(super) runs: usize,
 }
 
-impl Share {
+impl SampleBudget {
     /// The share of the subject that came `rank`-th, from 0.
     pub(super) fn of(rank: usize) -> Self {
         let (stamps, steps, poses, names, examples) = match rank {
@@ -75,7 +75,7 @@ impl Share {
 /// Evenly thinned values in order: every n-th, n doubling when the bound is reached; the first and the last are always
 /// among them.
 #[derive(Clone, Debug)]
-pub(super) struct Thinned<T> {
+pub(super) struct ThinnedSeries<T> {
     bound: usize,
     stride: u64,
     seen: u64,
@@ -83,7 +83,7 @@ pub(super) struct Thinned<T> {
     last: Option<T>,
 }
 
-impl<T: Copy> Thinned<T> {
+impl<T: Copy> ThinnedSeries<T> {
     /// At most `bound` values, two at least.
     pub(super) fn new(bound: usize) -> Self {
         Self {
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     fn thinned(n: u64, bound: usize) -> Vec<u64> {
-        let mut thinned = Thinned::new(bound);
+        let mut thinned = ThinnedSeries::new(bound);
         for value in 0..n {
             thinned.push(value);
         }

@@ -14,11 +14,11 @@ use crate::world::{FrameId, FrameRole, FrameUse};
 use super::content::Contents;
 use super::members::Members;
 use super::names::Names;
-use super::point::{On, Point};
-use super::series::Room;
+use super::point::{Point, PointOwner};
+use super::series::RowBudget;
 use super::stamps::Stamps;
-use super::thin::Share;
-use super::writers::{Writer, Writers, Written};
+use super::thin::SampleBudget;
+use super::writers::{Writer, WriterCounts, Writers};
 
 /// The last part of a topic's path: `tf_static` of `/robot1/tf_static`.
 pub(super) fn last_segment(topic: &str) -> &str {
@@ -33,7 +33,7 @@ pub(super) struct Topic {
     log_ns: Option<(i64, i64)>,
     total: Option<u64>,
     latched: bool,
-    written: Written,
+    written: WriterCounts,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
     /// Whether rules need the content of such messages.
@@ -62,7 +62,7 @@ impl Topic {
         of_type: usize,
         time_fields: &Arc<[String]>,
     ) -> Self {
-        let share = Share::of(rank).with_clouds(of_type);
+        let share = SampleBudget::of(rank).with_clouds(of_type);
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),
@@ -71,7 +71,7 @@ impl Topic {
             offered_qos_profiles: channel.metadata.get("offered_qos_profiles").cloned(),
             total: None,
             latched: false,
-            written: Written::default(),
+            written: WriterCounts::default(),
             unread: decoder.unread().map(str::to_owned),
             is_asked_for: false,
             lacks_definition: decoder.lacks_definition(),
@@ -81,7 +81,7 @@ impl Topic {
             frames: Names::new(share),
             children: Names::new(share),
             stamps: Stamps::new(share),
-            contents: Contents::new(share, Room::of(rank), Arc::clone(time_fields)),
+            contents: Contents::new(share, RowBudget::of(rank), Arc::clone(time_fields)),
             members: Members::new(rank, of_type, Arc::clone(time_fields)),
         }
     }
@@ -172,7 +172,7 @@ impl Topic {
 
     /// The frames named by the topic, and inside its messages where the topic does not; the empty id is not a name.
     pub(super) fn frame_uses(&self, source: SourceId) -> Vec<FrameUse> {
-        let use_of = |role, on: On<'_>, name: &str, (count, first): (u64, Point)| FrameUse {
+        let use_of = |role, on: PointOwner<'_>, name: &str, (count, first): (u64, Point)| FrameUse {
             frame: FrameId::new(name),
             role,
             place: Place::message(source, first.on(on)),
@@ -186,7 +186,7 @@ impl Topic {
             uses.extend(named.map(|(name, used)| use_of(role, (&self.name).into(), name, *used)));
         }
         for (field, inside) in self.members.names() {
-            let on = On {
+            let on = PointOwner {
                 topic: &self.name,
                 field: Some(field),
             };

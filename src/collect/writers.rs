@@ -37,9 +37,9 @@ impl Writers {
 
 /// Counts by writer: a topic or an edge has one, rarely two.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Written(Vec<(Writer, u64)>);
+pub(super) struct WriterCounts(Vec<(Writer, u64)>);
 
-impl Written {
+impl WriterCounts {
     pub(super) fn push(&mut self, writer: Option<Writer>) {
         let Some(writer) = writer else { return };
         if let Some((_, count)) = self.0.iter_mut().find(|(known, _)| *known == writer) {

@@ -35,7 +35,7 @@ pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
     for (name, first) in &before {
         let Some(second) = after.get(name) else { continue };
         out.topics += 1;
-        told(name, first, second, out);
+        compare_metadata(name, first, second, out);
         clock(name, first, second, out);
     }
 }
@@ -79,7 +79,7 @@ fn topics(run: &Run) -> BTreeMap<&str, Topic<'_>> {
     topics
 }
 
-fn told(name: &str, first: &TopicEvidence, second: &TopicEvidence, out: &mut Comparison) {
+fn compare_metadata(name: &str, first: &TopicEvidence, second: &TopicEvidence, out: &mut Comparison) {
     let mut changed = |what: &str, before: String, after: String| {
         if before != after {
             let message = format!("{name}: {what} {after} (was {before})");

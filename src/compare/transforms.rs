@@ -27,7 +27,7 @@ type Pair = (FrameId, FrameId);
 
 /// A rigid transform that a source states.
 #[derive(Clone)]
-struct Stated {
+struct StatedTransform {
     /// Joint, topic or key: what identifies it in the other platform.
     label: String,
     /// `parent_from_child`; the identity in what is not stated.
@@ -39,7 +39,7 @@ struct Stated {
 }
 
 /// One transform before and after, and who states it.
-struct Held {
+struct TransformPair {
     before: Isometry3<f64>,
     after: Isometry3<f64>,
     /// Whether a relation may explain the difference: both state all of it.
@@ -47,7 +47,7 @@ struct Held {
     who: [Vec<String>; 2],
 }
 
-impl Held {
+impl TransformPair {
     fn found(&self) -> Classification {
         classify(&self.before, &self.after, &Tolerance::default())
     }
@@ -59,10 +59,10 @@ impl Held {
 
 /// The statements of one pair of frames before and after: those with the same label are compared with each other, else the first ones.
 /// Equal ones are merged.
-fn held(before: &[Stated], after: &[Stated]) -> Vec<Held> {
+fn held(before: &[StatedTransform], after: &[StatedTransform]) -> Vec<TransformPair> {
     let labels: BTreeSet<&str> = before.iter().chain(after).map(|one| one.label.as_str()).collect();
-    let of = |all: &'_ [Stated], label: &str| all.iter().position(|one| one.label == label).unwrap_or(0);
-    let mut held: Vec<Held> = Vec::new();
+    let of = |all: &'_ [StatedTransform], label: &str| all.iter().position(|one| one.label == label).unwrap_or(0);
+    let mut held: Vec<TransformPair> = Vec::new();
     for label in labels {
         let (Some(a), Some(b)) = (before.get(of(before, label)), after.get(of(after, label))) else {
             continue;
@@ -86,8 +86,9 @@ fn held(before: &[Stated], after: &[Stated]) -> Vec<Held> {
         };
         let (before, after) = (part(&a.pose), part(&b.pose));
         let is_whole = has == [true, true];
-        let like =
-            |one: &&mut Held| one.is_whole == is_whole && is_same(&one.before, &before) && is_same(&one.after, &after);
+        let like = |one: &&mut TransformPair| {
+            one.is_whole == is_whole && is_same(&one.before, &before) && is_same(&one.after, &after)
+        };
         if let Some(known) = held.iter_mut().find(like) {
             for (known, who) in known.who.iter_mut().zip([&a.who, &b.who]) {
                 if !known.contains(who) {
@@ -95,7 +96,7 @@ fn held(before: &[Stated], after: &[Stated]) -> Vec<Held> {
                 }
             }
         } else {
-            held.push(Held {
+            held.push(TransformPair {
                 before,
                 after,
                 is_whole,
@@ -154,20 +155,20 @@ fn by_name(run: &Run) -> BTreeMap<String, &World> {
 fn compare_sides(a: &Side, b: &Side, out: &mut Comparison) {
     let (tree_a, tree_b) = (Tree::of(a), Tree::of(b));
     frames(&tree_a, &tree_b, out);
-    let mut moved: BTreeMap<&FrameId, Vec<(&Pair, Held)>> = BTreeMap::new();
+    let mut moved: BTreeMap<&FrameId, Vec<(&Pair, TransformPair)>> = BTreeMap::new();
     let mut known: BTreeMap<&FrameId, usize> = BTreeMap::new();
     for (pair, before) in &tree_a.rigid {
         let Some(after) = tree_b.stated(pair) else { continue };
         out.transforms += 1;
         *known.entry(&pair.0).or_default() += 1;
-        let changed = held(before, &after).into_iter().filter(Held::is_changed);
+        let changed = held(before, &after).into_iter().filter(TransformPair::is_changed);
         let changed: Vec<_> = changed.map(|one| (pair, one)).collect();
         if !changed.is_empty() {
             moved.entry(&pair.0).or_default().extend(changed);
         }
     }
     for (parent, children) in moved {
-        let by = |held: &Held| held.after * held.before.inverse();
+        let by = |held: &TransformPair| held.after * held.before.inverse();
         let is_whole = known.get(parent) == Some(&children.len()) && children.len() > 1;
         let first = children.first().map(|(_, held)| by(held));
         let alike = first.filter(|first| is_whole && children.iter().all(|(_, held)| is_near(first, &by(held))));
@@ -208,7 +209,7 @@ fn amount(angle_rad: f64, distance_m: f64) -> String {
 }
 
 /// All children of a frame moved equally: that frame itself moved.
-fn parent_moved(parent: &FrameId, children: Vec<(&Pair, Held)>, by: &Isometry3<f64>) -> Change {
+fn parent_moved(parent: &FrameId, children: Vec<(&Pair, TransformPair)>, by: &Isometry3<f64>) -> Change {
     let (angle, distance) = (by.rotation.angle(), by.translation.vector.norm());
     let names: Vec<String> = children.iter().map(|((_, child), _)| format!("`{child}`")).collect();
     let what = if is_map(parent) {
@@ -235,7 +236,7 @@ fn parent_moved(parent: &FrameId, children: Vec<(&Pair, Held)>, by: &Isometry3<f
     change
 }
 
-fn child_moved((parent, child): &Pair, held: Held) -> Change {
+fn child_moved((parent, child): &Pair, held: TransformPair) -> Change {
     let found = held.found();
     let mut change = Change::new(
         Kind::Transform,
@@ -338,7 +339,7 @@ fn files(a: &Side, b: &Side, out: &mut Comparison) {
     for (subject, first) in &before {
         let Some(second) = after.get(subject) else { continue };
         out.transforms += 1;
-        for held in held(first, second).into_iter().filter(Held::is_changed) {
+        for held in held(first, second).into_iter().filter(TransformPair::is_changed) {
             let found = held.found();
             let mut change = Change::new(
                 Kind::Transform,
@@ -357,12 +358,12 @@ fn files(a: &Side, b: &Side, out: &mut Comparison) {
 }
 
 /// The statements of files, by their frames in words; where a file names none, by the key.
-fn statements(side: &Side) -> BTreeMap<String, Vec<Stated>> {
-    let mut found: BTreeMap<String, Vec<Stated>> = BTreeMap::new();
-    let mut told: BTreeSet<&Place> = BTreeSet::new();
+fn statements(side: &Side) -> BTreeMap<String, Vec<StatedTransform>> {
+    let mut found: BTreeMap<String, Vec<StatedTransform>> = BTreeMap::new();
+    let mut seen: BTreeSet<&Place> = BTreeSet::new();
     for claim in side.worlds.iter().flat_map(|world| &world.claims) {
         // A file may be judged with several robots.
-        let (ClaimKind::File { .. }, Some(pose), true) = (&claim.kind, &claim.pose, told.insert(&claim.place)) else {
+        let (ClaimKind::File { .. }, Some(pose), true) = (&claim.kind, &claim.pose, seen.insert(&claim.place)) else {
             continue;
         };
         let has = [claim.has_rotation, claim.has_translation];
@@ -379,7 +380,7 @@ fn statements(side: &Side) -> BTreeMap<String, Vec<Stated>> {
                 format!("`{}` from `{}`", pair[0], pair[1])
             }
         };
-        found.entry(subject).or_default().push(Stated {
+        found.entry(subject).or_default().push(StatedTransform {
             label: claim.label.clone(),
             pose,
             has,
@@ -440,7 +441,7 @@ struct Tree<'r> {
     parents: BTreeMap<FrameId, BTreeSet<FrameId>>,
     /// Children of edges that move.
     moving: BTreeSet<FrameId>,
-    rigid: BTreeMap<Pair, Vec<Stated>>,
+    rigid: BTreeMap<Pair, Vec<StatedTransform>>,
 }
 
 impl<'r> Tree<'r> {
@@ -473,7 +474,7 @@ impl<'r> Tree<'r> {
             return;
         }
         let Some(pose) = edge.pose else { return };
-        let told = match edge.origin {
+        let statement = match edge.origin {
             EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => world.claims.get(index).map(|claim| {
                 let label = match &claim.kind {
                     ClaimKind::Joint { joint, .. } => format!("joint `{joint}`"),
@@ -487,10 +488,10 @@ impl<'r> Tree<'r> {
                 Some((bag.tf.get(index)?.topic.clone(), path.to_owned()))
             }),
         };
-        let Some((label, place)) = told else { return };
+        let Some((label, place)) = statement else { return };
         let stated = self.rigid.entry(pair).or_default();
         if !stated.iter().any(|known| known.label == label) {
-            stated.push(Stated {
+            stated.push(StatedTransform {
                 who: format!("{label}, {place}"),
                 label,
                 pose,
@@ -500,7 +501,7 @@ impl<'r> Tree<'r> {
     }
 
     /// The statements of a pair, or what follows from a chain of rigid transforms.
-    fn stated(&self, (parent, child): &Pair) -> Option<Cow<'_, [Stated]>> {
+    fn stated(&self, (parent, child): &Pair) -> Option<Cow<'_, [StatedTransform]>> {
         if let Some(stated) = self.rigid.get(&(parent.clone(), child.clone())) {
             return Some(Cow::Borrowed(stated));
         }
@@ -509,7 +510,7 @@ impl<'r> Tree<'r> {
             .iter()
             .find_map(|world| world.graph().chain(parent, child, |edge| edge.is_rigid));
         let (pose, _) = chained?;
-        Some(Cow::Owned(vec![Stated {
+        Some(Cow::Owned(vec![StatedTransform {
             label: String::new(),
             pose,
             has: [true, true],

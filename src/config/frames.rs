@@ -100,8 +100,8 @@ mod tests {
         assert_eq!(frame("velo").as_deref(), Some("velodyne"));
         assert_eq!(frame("/imu").as_deref(), Some("imu_link"));
         assert_eq!(frame("velodyne"), None);
-        let told = conventions.transform_of("robot/fast.yaml", "a/extrinsic").unwrap();
-        assert_eq!((told.0.as_str(), told.1.as_str()), ("imu", "lidar"));
+        let stated = conventions.transform_of("robot/fast.yaml", "a/extrinsic").unwrap();
+        assert_eq!((stated.0.as_str(), stated.1.as_str()), ("imu", "lidar"));
         assert!(conventions.transform_of("robot/fast.yaml", "b/extrinsic").is_none());
         assert!(fault("aliases: [a]\n").contains("must map each frame of the platform"));
         assert!(fault("aliases: {a: [c], b: [c]}\n").contains("`c` is already an alias of `a`"));

@@ -16,7 +16,7 @@ use super::reader::Reader;
 
 /// The policy of one layer.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Asked {
+pub(super) struct PolicyLayer {
     pub(super) fail_on: Option<FailOn>,
     /// Words for rules (codes, names, families), with their places in words.
     pub(super) select: Option<Vec<(String, String)>>,
@@ -24,7 +24,7 @@ pub(super) struct Asked {
     pub(super) named: Vec<(String, String)>,
     pub(super) weights: Vec<Weight>,
     pub(super) limits: Vec<LimitOverride>,
-    waivers: Vec<Waived>,
+    waivers: Vec<WaiverDraft>,
     pub(super) required: Vec<Requirement>,
     pub(super) share: Option<RequiredShare>,
 }
@@ -46,7 +46,7 @@ pub struct LimitOverride {
 
 /// A waiver without the identity of its source.
 #[derive(Clone, Debug)]
-struct Waived {
+struct WaiverDraft {
     rule: String,
     subject: Option<GlobMatcher>,
     file: Option<GlobMatcher>,
@@ -57,7 +57,7 @@ struct Waived {
     span: Span,
 }
 
-impl Asked {
+impl PolicyLayer {
     /// Levels of findings by their files. An ignored rule is off in these files.
     pub(super) fn of_files(&self) -> Self {
         let off = self.ignore.iter().map(|(rule, origin)| Weight {
@@ -123,10 +123,10 @@ const FAIL_ON: &[(&str, FailOn)] = &[
 
 impl Reader<'_> {
     /// The keys of the policy.
-    pub(super) fn asked(&self, root: &Node) -> Result<Asked, ConfigError> {
-        let mut asked = Asked {
+    pub(super) fn asked(&self, root: &Node) -> Result<PolicyLayer, ConfigError> {
+        let mut asked = PolicyLayer {
             fail_on: self.word(root, "fail-on", FAIL_ON)?,
-            ..Asked::default()
+            ..PolicyLayer::default()
         };
         if let Some(rules) = root.get("rules") {
             self.keys(rules, &["select", "ignore", "severity"])?;
@@ -203,7 +203,7 @@ impl Reader<'_> {
     }
 
     /// `severity: {NAME02: error}`.
-    fn severities(&self, node: &Node, file: Option<&GlobMatcher>, asked: &mut Asked) -> Result<(), ConfigError> {
+    fn severities(&self, node: &Node, file: Option<&GlobMatcher>, asked: &mut PolicyLayer) -> Result<(), ConfigError> {
         let Some(map) = node.get("severity") else { return Ok(()) };
         if !map.is_mapping() {
             let what = "`severity` must map rules to severities: `severity: {NAME02: error}`";
@@ -227,7 +227,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn path_section(&self, item: &Node, asked: &mut Asked) -> Result<(), ConfigError> {
+    fn path_section(&self, item: &Node, asked: &mut PolicyLayer) -> Result<(), ConfigError> {
         self.keys(item, &["file", "ignore", "severity"])?;
         self.required_text(item, "file", "a path, or a glob with `*`")?;
         let file = self.glob(item, "file")?;
@@ -250,7 +250,7 @@ impl Reader<'_> {
     }
 
     /// `limits: {CROSS02: {rotation_deg: 3 deg}}`.
-    fn limits(&self, root: &Node, asked: &mut Asked) -> Result<(), ConfigError> {
+    fn limits(&self, root: &Node, asked: &mut PolicyLayer) -> Result<(), ConfigError> {
         let Some(map) = root.get("limits") else { return Ok(()) };
         let example = "`limits` must map each rule to its limits: `CROSS02: {rotation_deg: 3 deg}`";
         if !map.is_mapping() {
@@ -282,7 +282,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Waived, ConfigError> {
+    fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<WaiverDraft, ConfigError> {
         self.keys(item, &["rule", "subject", "file", "reason", "until", "by"])?;
         let rule = self.rule_of(item, named)?;
         let reason = self.required_text(
@@ -302,7 +302,7 @@ impl Reader<'_> {
         let by = item
             .get("by")
             .map(|_| self.required_text(item, "by", "the name of the person who accepts this"));
-        Ok(Waived {
+        Ok(WaiverDraft {
             rule,
             subject: self.glob(item, "subject")?,
             file: self.glob(item, "file")?,

@@ -34,7 +34,7 @@ use super::reader::Reader;
 
 /// A declaration without the identity of its source.
 #[derive(Clone, Debug)]
-pub(super) struct Declared {
+pub(super) struct ProjectionDraft {
     pub(super) topic: Option<String>,
     pub(super) form: Form,
     pub(super) span: Span,
@@ -63,7 +63,7 @@ const GRID: &[&str] = &[
 const PANORAMA: &[&str] = &["width", "height", "azimuth"];
 
 impl Reader<'_> {
-    pub(super) fn projections(&self, root: &Node) -> Result<Vec<Declared>, ConfigError> {
+    pub(super) fn projections(&self, root: &Node) -> Result<Vec<ProjectionDraft>, ConfigError> {
         let Some(list) = root.get("projections") else {
             return Ok(Vec::new());
         };
@@ -76,7 +76,7 @@ impl Reader<'_> {
         items.iter().map(|item| self.projection(item)).collect()
     }
 
-    fn projection(&self, item: &Node) -> Result<Declared, ConfigError> {
+    fn projection(&self, item: &Node) -> Result<ProjectionDraft, ConfigError> {
         self.keys(item, &["topic", "range_image", "grid", "panorama"])?;
         // Read only for its errors; it is matched later, when topics are known.
         self.glob(item, "topic")?;
@@ -91,7 +91,7 @@ impl Reader<'_> {
             "grid" => Form::Grid(self.grid(node)?),
             _ => Form::Panorama(self.panorama(node)?),
         };
-        Ok(Declared {
+        Ok(ProjectionDraft {
             topic,
             form,
             span: item.span,

@@ -1,6 +1,6 @@
 //! Maps the frames of one dialect to those of another: by their names, or by the kind of sensor that a name indicates.
 
-use crate::tables::{Dialect, Keyed, Rows, Writing, WrittenTransform};
+use crate::tables::{Dialect, FileTemplate, KeyedTransform, Rows, TransformTemplate};
 use crate::world::FrameId;
 
 use super::links::Links;
@@ -81,10 +81,10 @@ impl Camera {
 }
 
 /// A transform of a dialect, and the frames that take its parts.
-pub(super) struct Cast<'t> {
-    pub(super) transform: &'t WrittenTransform,
+pub(super) struct Assignment<'t> {
+    pub(super) transform: &'t TransformTemplate,
     /// Units and order.
-    pub(super) keyed: Option<Keyed>,
+    pub(super) keyed: Option<KeyedTransform>,
     /// The frame that the file itself names, where it names one.
     pub(super) name: String,
     /// The frames for the key's target and source.
@@ -115,7 +115,7 @@ impl Part {
     }
 
     /// The number that a frame gives to `#`, where it matches; zero where nothing is counted.
-    fn fits(&self, frame: &str, writing: &Writing, first: Camera) -> Option<u32> {
+    fn fits(&self, frame: &str, writing: &FileTemplate, first: Camera) -> Option<u32> {
         let Self::Named(word) = self else { return Some(0) };
         if !word.contains('#') && FrameId::new(word.as_str()).tokens() == FrameId::new(frame).tokens() {
             return Some(0);
@@ -157,14 +157,14 @@ fn named(a: &Part, b: &Part, target: &str, source: &str) -> String {
 
 /// The transforms that a dialect can hold, with their frames; with a key, those under it.
 fn parts<'t>(
-    writing: &'t Writing,
+    writing: &'t FileTemplate,
     dialects: &Rows<Dialect>,
     key: Option<&str>,
-) -> Vec<(&'t WrittenTransform, Option<Keyed>, Part, Part)> {
+) -> Vec<(&'t TransformTemplate, Option<KeyedTransform>, Part, Part)> {
     let mut all = Vec::new();
     let is_under =
-        |transform: &WrittenTransform, key: &str| key == transform.key || transform.key.ends_with(&format!("/{key}"));
-    let asked = |transform: &&WrittenTransform| key.is_none_or(|key| is_under(transform, key));
+        |transform: &TransformTemplate, key: &str| key == transform.key || transform.key.ends_with(&format!("/{key}"));
+    let asked = |transform: &&TransformTemplate| key.is_none_or(|key| is_under(transform, key));
     for transform in writing.transforms.iter().filter(asked) {
         let rows = dialects.iter().filter(|row| row.name == writing.dialect);
         let keyed = rows
@@ -186,13 +186,13 @@ fn parts<'t>(
 
 /// The transforms of a dialect that two frames match, in either direction.
 fn fitting<'t>(
-    writing: &'t Writing,
+    writing: &'t FileTemplate,
     dialects: &Rows<Dialect>,
     target: &str,
     source: &str,
     key: Option<&str>,
     first: Camera,
-) -> Vec<Cast<'t>> {
+) -> Vec<Assignment<'t>> {
     let mut casts = Vec::new();
     for (transform, keyed, a, b) in parts(writing, dialects, key) {
         for (target, source, is_turned) in [(target, source, false), (source, target, true)] {
@@ -205,7 +205,7 @@ fn fitting<'t>(
             if is_counted(&a) && is_counted(&b) && of_target != of_source {
                 continue;
             }
-            casts.push(Cast {
+            casts.push(Assignment {
                 transform,
                 name: named(&a, &b, target, source),
                 doubt: keyed
@@ -225,20 +225,20 @@ fn fitting<'t>(
 
 /// The place of one requested transform.
 pub(super) fn cast_one<'t>(
-    writing: &'t Writing,
+    writing: &'t FileTemplate,
     dialects: &Rows<Dialect>,
     target: &str,
     source: &str,
     key: Option<&str>,
     first: Camera,
-) -> Result<Cast<'t>, String> {
+) -> Result<Assignment<'t>, String> {
     let mut fits = fitting(writing, dialects, target, source, key, first);
     if fits.is_empty() {
         // Names that indicate no kind: assigned in the given order, where there is only one place for them.
         let all = parts(writing, dialects, key);
         let count = all.len();
         if let (Some((transform, keyed, a, b)), 1) = (all.into_iter().next(), count) {
-            fits.push(Cast {
+            fits.push(Assignment {
                 transform,
                 name: named(&a, &b, target, source),
                 doubt: Some(format!(
@@ -268,14 +268,14 @@ pub(super) fn cast_one<'t>(
 
 /// The places of everything that was read: each link once, and no frame twice where one transform already connects it.
 pub(super) fn cast_all<'t>(
-    writing: &'t Writing,
+    writing: &'t FileTemplate,
     dialects: &Rows<Dialect>,
     links: &Links,
     key: Option<&str>,
-) -> Vec<Cast<'t>> {
+) -> Vec<Assignment<'t>> {
     let first = Camera::first_of(links);
     let frames = links.frames();
-    let mut casts: Vec<Cast<'t>> = Vec::new();
+    let mut casts: Vec<Assignment<'t>> = Vec::new();
     // Stated transforms come before chains of them.
     let stated = links.all.iter().map(|link| (&link.target, &link.source));
     let made = frames
@@ -317,7 +317,7 @@ pub(super) fn cast_all<'t>(
         tied.push(joined);
     }
     casts.sort_by(|a, b| {
-        let place = |cast: &Cast<'_>| {
+        let place = |cast: &Assignment<'_>| {
             writing
                 .transforms
                 .iter()

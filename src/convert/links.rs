@@ -6,10 +6,10 @@ use nalgebra::Isometry3;
 
 use crate::math::rotation;
 use crate::run::Run;
-use crate::source::{At, Confidence, LineIndex, Place};
+use crate::source::{Confidence, LineIndex, Place, SourcePart};
 use crate::world::{Claim, World};
 
-use super::Wish;
+use super::ConvertRequest;
 
 /// One transform with its two frames.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub(super) struct Links {
 impl Links {
     /// The rigid transforms of a run: of files, of fixed joints and of latched TF; a rotation and a translation of one pair that are stated
     /// apart are combined.
-    pub(super) fn of(run: &Run, wish: &Wish) -> Result<Self, String> {
+    pub(super) fn of(run: &Run, wish: &ConvertRequest) -> Result<Self, String> {
         let mut all = Vec::new();
         for world in &run.worlds {
             let mut halves: Vec<(&Claim, (String, String))> = Vec::new();
@@ -118,7 +118,7 @@ impl Links {
 }
 
 /// The frames that a statement names, or that the user gives for it.
-fn frames_of(claim: &Claim, wish: &Wish) -> Option<(String, String)> {
+fn frames_of(claim: &Claim, wish: &ConvertRequest) -> Option<(String, String)> {
     let is_meant = wish.key.as_deref() == Some(claim.label.as_str());
     let is_open = claim.frames.is_none() && (is_meant || wish.key.is_none());
     if let Some(said) = wish.is.as_ref().filter(|_| is_meant || is_open) {
@@ -193,7 +193,7 @@ fn place(run: &Run, place: &Place) -> String {
         return "?".to_owned();
     };
     match &place.at {
-        At::Text(span) => {
+        SourcePart::Text(span) => {
             let line = LineIndex::new(&source.text).locate(&source.text, span.start).line;
             format!("{}:{line}", source.path)
         }

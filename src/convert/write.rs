@@ -3,9 +3,9 @@
 use nalgebra::{Isometry3, Matrix4};
 
 use crate::math::rotation::to_rpy;
-use crate::tables::{Angle, Length, Writing};
+use crate::tables::{Angle, FileTemplate, Length};
 
-use super::kinds::Cast;
+use super::kinds::Assignment;
 
 /// A number as every reader of YAML and JSON accepts it: with a point, without an exponent.
 pub(super) fn number(value: f64) -> String {
@@ -22,7 +22,7 @@ fn joined(values: impl IntoIterator<Item = f64>, between: &str) -> String {
 }
 
 /// The text of one transform.
-pub(super) fn item(cast: &Cast<'_>, target_from_source: &Isometry3<f64>) -> Result<String, String> {
+pub(super) fn item(cast: &Assignment<'_>, target_from_source: &Isometry3<f64>) -> Result<String, String> {
     let length = cast.keyed.as_ref().map_or(Length::Metres, |keyed| keyed.length);
     let angle = cast.keyed.as_ref().map_or(Angle::Radians, |keyed| keyed.angle);
     let scale = match length {
@@ -113,7 +113,7 @@ fn filled(template: &str, values: &[(&str, String)]) -> String {
 }
 
 /// The file around its transforms; those that begin with the same key are grouped under it.
-pub(super) fn file(writing: &Writing, items: &[String]) -> String {
+pub(super) fn file(writing: &FileTemplate, items: &[String]) -> String {
     let mut grouped: Vec<String> = Vec::new();
     for item in items {
         let (key, rest) = item.split_once('\n').unwrap_or((item, ""));

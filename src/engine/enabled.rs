@@ -6,7 +6,7 @@ use crate::page::Number;
 use crate::rules::Entry;
 
 /// A rule that runs.
-pub(super) struct Enabled {
+pub(super) struct EnabledRule {
     /// The rule.
     pub(super) entry: &'static Entry,
     /// Whether it makes plots.
@@ -15,7 +15,7 @@ pub(super) struct Enabled {
     pub(super) overrides: BTreeMap<String, Number>,
 }
 
-impl Enabled {
+impl EnabledRule {
     /// A rule by its entry.
     pub(super) fn new(entry: &'static Entry) -> Self {
         Self {

@@ -30,7 +30,7 @@ pub const SCHEMA: &str = "frames-lint-evidence/1";
 const MAX_BYTES: u64 = 1 << 30;
 
 #[derive(Serialize)]
-struct Written<'a> {
+struct Output<'a> {
     schema: &'static str,
     tool: Tool<'a>,
     skipped: &'a BTreeMap<String, usize>,
@@ -65,7 +65,7 @@ struct HeadTool {
 
 /// The saved data of a run.
 #[derive(Debug, Default)]
-pub struct Saved {
+pub struct SavedEvidence {
     /// The worlds, each with all sources of the document.
     pub worlds: Vec<World>,
     /// The sources.
@@ -78,7 +78,7 @@ pub struct Saved {
 
 /// The evidence document of a run. The same run gives the same bytes.
 pub fn write(run: &Run) -> Result<String, serde_json::Error> {
-    json_line(&Written {
+    json_line(&Output {
         schema: SCHEMA,
         tool: Tool {
             name: env!("CARGO_PKG_NAME"),
@@ -91,13 +91,13 @@ pub fn write(run: &Run) -> Result<String, serde_json::Error> {
 }
 
 /// Reads a document. If that fails, returns one source that states why, and an otherwise empty world.
-pub(super) fn read(path: &Path) -> Saved {
+pub(super) fn read(path: &Path) -> SavedEvidence {
     load(path)
         .and_then(|bytes| parse(&bytes))
         .unwrap_or_else(|why| unreadable(path, why))
 }
 
-fn unreadable(path: &Path, why: String) -> Saved {
+fn unreadable(path: &Path, why: String) -> SavedEvidence {
     let id = SourceId(0);
     let display = path.to_string_lossy().into_owned();
     let mut source = Source::new(id, display.clone(), SourceKind::Json);
@@ -108,10 +108,10 @@ fn unreadable(path: &Path, why: String) -> Saved {
     world.members = vec![id];
     let sources = Arc::new(vec![Arc::new(source)]);
     world.sources = Arc::clone(&sources);
-    Saved {
+    SavedEvidence {
         worlds: vec![world],
         sources,
-        ..Saved::default()
+        ..SavedEvidence::default()
     }
 }
 
@@ -135,7 +135,7 @@ fn load(path: &Path) -> Result<Vec<u8>, String> {
 }
 
 /// The contents of a document; the error states what is wrong, and where.
-pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
+pub fn parse(bytes: &[u8]) -> Result<SavedEvidence, String> {
     let head = match serde_json::from_slice::<Head>(bytes) {
         Ok(head) => head,
         Err(error) => return Err(format!("is not evidence of frames-lint: {error}")),
@@ -165,7 +165,7 @@ pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
     for world in &mut worlds {
         world.sources = Arc::clone(&sources);
     }
-    Ok(Saved {
+    Ok(SavedEvidence {
         worlds,
         sources,
         skipped: document.skipped,

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::collect::{How, collect};
+use crate::collect::{CollectOptions, collect};
 use crate::progress::Progress;
 use crate::read::calibration;
 use crate::read::discover::Inputs;
@@ -16,7 +16,7 @@ use crate::read::input::Input;
 use crate::read::urdf::MeshLookup;
 use crate::read::xacro::Template;
 use crate::read::{code, feather, launch, text, urdf, xacro, xacro_parts};
-use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind, Written};
+use crate::source::{Coverage, Derivation, ExpansionPart, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::tables::Tables;
 use crate::world::Facts;
 
@@ -37,13 +37,13 @@ pub(super) struct Reading {
 }
 
 /// A text extracted from a source, read as a description of a robot or of a sensor.
-struct Emerged {
+struct ExtractedText {
     text: String,
     path: String,
     kind: SourceKind,
-    derived: Derived,
+    derived: Derivation,
     /// For an expansion: the places where it is written. Source ids are numbers of templates until all sources have an id.
-    written: Vec<Written>,
+    written: Vec<ExpansionPart>,
     templates: Vec<Template>,
     input: usize,
 }
@@ -54,7 +54,7 @@ pub(super) fn gather(
     inputs: &Inputs,
     which: &[usize],
     emerged_from: usize,
-    manner: Manner,
+    options: ReadOptions,
     progress: &Progress,
 ) -> Vec<Reading> {
     let which = which
@@ -64,13 +64,13 @@ pub(super) fn gather(
     let included = included_xacros(&which);
     let reader = Reader {
         inputs,
-        manner,
+        options,
         progress,
         included: &included,
     };
     let first = parallel::map(which, |(index, input)| {
         let read = || reader.read(input, source_id(index), index);
-        manner.timings.of(Phase::Read, &input.display, read)
+        options.timings.of(Phase::Read, &input.display, read)
     });
     let mut readings = Vec::with_capacity(first.len());
     let mut emerged = Vec::new();
@@ -81,7 +81,7 @@ pub(super) fn gather(
     number(&mut emerged, inputs, emerged_from);
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
-        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, manner.tables),
+        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, options.tables),
     ));
     excuse_loaded(&mut readings);
     readings
@@ -115,7 +115,7 @@ fn excuse_loaded(readings: &mut [Reading]) {
 }
 
 /// Gives the places of expansions the ids of their files. A file that is not an input is added after the others.
-fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
+fn number(emerged: &mut Vec<ExtractedText>, inputs: &Inputs, emerged_from: usize) {
     if emerged.iter().all(|text| text.templates.is_empty()) {
         return;
     }
@@ -130,11 +130,11 @@ fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
         let mut of_templates = Vec::new();
         for Template { path, text } in std::mem::take(&mut expansion.templates) {
             let id = *ids.entry(path.clone()).or_insert_with(|| {
-                behind.push(Emerged {
+                behind.push(ExtractedText {
                     text,
                     path: path.display().to_string(),
                     kind: SourceKind::Xacro,
-                    derived: Derived::Included,
+                    derived: Derivation::Included,
                     written: Vec::new(),
                     templates: Vec::new(),
                     input: expansion.input,
@@ -164,16 +164,21 @@ fn meshes(input: &Input, inputs: &Inputs) -> MeshLookup {
     }
 }
 
-fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn(usize) -> Arc<Tables>) -> Reading {
+fn read_emerged(
+    emerged: ExtractedText,
+    id: SourceId,
+    inputs: &Inputs,
+    tables: &dyn Fn(usize) -> Arc<Tables>,
+) -> Reading {
     let mut source = Source::new(id, emerged.path, emerged.kind);
     source.derived = Some(emerged.derived);
-    source.examined = Examined {
+    source.examined = Coverage {
         bytes: emerged.text.len() as u64,
         bytes_total: emerged.text.len() as u64,
-        ..Examined::default()
+        ..Coverage::default()
     };
     source.text = emerged.text;
-    if source.derived == Some(Derived::Included) {
+    if source.derived == Some(Derivation::Included) {
         return Reading {
             source,
             facts: Facts::default(),
@@ -237,11 +242,11 @@ fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
 
 /// How inputs are read.
 #[derive(Clone, Copy)]
-pub(super) struct Manner<'a> {
+pub(super) struct ReadOptions<'a> {
     /// Xacro files.
-    pub(super) means: &'a xacro::Means,
+    pub(super) xacro: &'a xacro::ExpandOptions,
     /// Recordings.
-    pub(super) how: &'a How,
+    pub(super) recordings: &'a CollectOptions,
     /// The tables of devices and dialects for the input with this index.
     pub(super) tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
     /// Time spent.
@@ -250,13 +255,13 @@ pub(super) struct Manner<'a> {
 
 struct Reader<'a> {
     inputs: &'a Inputs,
-    manner: Manner<'a>,
+    options: ReadOptions<'a>,
     progress: &'a Progress,
     included: &'a [String],
 }
 
 impl Reader<'_> {
-    fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<Emerged>) {
+    fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<ExtractedText>) {
         let mut source = Source::new(id, input.display.clone(), input.kind);
         source.required = input.required;
         // A rosbag2 has its `metadata.yaml` beside its files; the files of a split recording include the input.
@@ -278,7 +283,7 @@ impl Reader<'_> {
         (reading, emerged)
     }
 
-    fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+    fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<ExtractedText>) -> Facts {
         match input.kind {
             SourceKind::Mcap | SourceKind::Rosbag1 | SourceKind::Sqlite | SourceKind::Rosbag2 => {
                 self.read_recording(input, source, index, emerged)
@@ -295,7 +300,7 @@ impl Reader<'_> {
                 if !load_text(input, source) {
                     return Facts::default();
                 }
-                let tables = (self.manner.tables)(index);
+                let tables = (self.options.tables)(index);
                 match input.kind {
                     SourceKind::Yaml => with_references(calibration::read_yaml(source, tables.dialects()), input),
                     SourceKind::Json => with_references(calibration::read_json(source, tables.dialects()), input),
@@ -309,7 +314,13 @@ impl Reader<'_> {
         }
     }
 
-    fn read_recording(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+    fn read_recording(
+        &self,
+        input: &Input,
+        source: &mut Source,
+        index: usize,
+        emerged: &mut Vec<ExtractedText>,
+    ) -> Facts {
         let size = |path: &PathBuf| fs::metadata(path).map_or(0, |meta| meta.len());
         let parts = if input.parts.is_empty() {
             std::slice::from_ref(&input.path)
@@ -317,22 +328,22 @@ impl Reader<'_> {
             &input.parts
         };
         let task = self.progress.start(&input.display, parts.iter().map(size).sum());
-        let mut how = self.manner.how.clone();
+        let mut recordings = self.options.recordings.clone();
         // A rosbag2 folder's metadata lists its files again, with information about them.
         if input.kind != SourceKind::Rosbag2 {
-            how.parts.clone_from(&input.parts);
+            recordings.parts.clone_from(&input.parts);
         }
-        let collected = collect(&input.path, &how, source, &|done, _total| task.update(done));
+        let collected = collect(&input.path, &recordings, source, &|done, _total| task.update(done));
         let texts = [
             (SourceKind::RobotDescription, collected.descriptions),
             (SourceKind::SensorMetadata, collected.metadata),
         ];
         for (kind, texts) in texts {
-            let emerging = |(message, text): (MessageRef, String)| Emerged {
+            let emerging = |(message, text): (MessageRef, String)| ExtractedText {
                 text,
                 path: input.display.clone(),
                 kind,
-                derived: Derived::Message(message),
+                derived: Derivation::Message(message),
                 written: Vec::new(),
                 templates: Vec::new(),
                 input: index,
@@ -342,7 +353,7 @@ impl Reader<'_> {
         collected.facts
     }
 
-    fn read_xacro(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+    fn read_xacro(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<ExtractedText>) -> Facts {
         let lookup = meshes(input, self.inputs);
         let name = input.path.file_name().map(|name| name.to_string_lossy().into_owned());
         let is_part = name.is_some_and(|name| self.included.contains(&name));
@@ -357,16 +368,16 @@ impl Reader<'_> {
             source.kind = SourceKind::Urdf;
             return urdf::read(source, &lookup);
         }
-        match xacro::expand(&input.path, self.manner.means, &self.inputs.packages_near(&input.path)) {
+        match xacro::expand(&input.path, self.options.xacro, &self.inputs.packages_near(&input.path)) {
             Ok(expanded) => {
                 source.detail = Some("checked in its expansion".to_owned());
-                emerged.push(Emerged {
+                emerged.push(ExtractedText {
                     text: expanded.text,
                     written: expanded.written,
                     templates: expanded.templates,
                     path: input.display.clone(),
                     kind: SourceKind::Urdf,
-                    derived: Derived::Expansion,
+                    derived: Derivation::Expansion,
                     input: index,
                 });
                 Facts::default()
@@ -397,10 +408,10 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
             return false;
         }
     };
-    source.examined = Examined {
+    source.examined = Coverage {
         bytes: bytes.len() as u64,
         bytes_total: bytes.len() as u64,
-        ..Examined::default()
+        ..Coverage::default()
     };
     if bytes.iter().all(u8::is_ascii_whitespace) {
         let message = if bytes.is_empty() {
@@ -412,7 +423,7 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
         return false;
     }
     let decoded = if bytes.starts_with(feather::MAGIC) {
-        source.derived = Some(Derived::Expansion);
+        source.derived = Some(Derivation::Expansion);
         feather::to_csv(bytes).map(|text| (text, None))
     } else {
         text::decode(bytes)

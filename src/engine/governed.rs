@@ -19,10 +19,10 @@ use crate::tables::Tables;
 use crate::verdict::waiver::Waiver;
 use crate::world::World;
 
-use super::enabled::Enabled;
+use super::enabled::EnabledRule;
 use super::gather::source_id;
 use super::plan::{self, Choice};
-use super::{Options, Sights, UsageError};
+use super::{Options, Retention, UsageError};
 
 /// Which configuration counts for a platform, whose files may lie under several.
 const PLATFORMS: &str = "use the nearest configuration above their recordings, else above their robot";
@@ -46,14 +46,14 @@ impl Governance {
         let config = config::find(file, profile, allowed.map(|file| AllowedFolders::around([file])))?;
         let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
         for rule in &mut choice.rules {
-            rule.plots = options.sights >= Sights::Plots;
+            rule.plots = options.sights >= Retention::Plots;
         }
         Ok(Self { config, choice, folder })
     }
 }
 
 /// The configurations of a run.
-pub(super) struct Governed {
+pub(super) struct Configurations {
     /// The one for everything that no other governs.
     outer: Governance,
     deeper: Vec<Governance>,
@@ -65,7 +65,7 @@ pub(super) struct Governed {
     in_force: Mutex<BTreeSet<usize>>,
 }
 
-impl Governed {
+impl Configurations {
     /// Finds and reads them.
     pub(super) fn new(options: &Options, inputs: &Inputs) -> Result<Self, UsageError> {
         let looks = options.config.is_none() && !options.without_config;
@@ -205,9 +205,9 @@ impl Governed {
     }
 
     /// The rules that run anywhere, once each.
-    pub(super) fn rules(&self) -> Vec<&Enabled> {
+    pub(super) fn rules(&self) -> Vec<&EnabledRule> {
         let all = self.each().flat_map(|one| &one.choice.rules);
-        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.entry.page.code, rule)).collect();
+        let rules: BTreeMap<&str, &EnabledRule> = all.map(|rule| (rule.entry.page.code, rule)).collect();
         rules.into_values().collect()
     }
 

@@ -7,17 +7,17 @@ use crate::analysis::{Estimates, Settings};
 use crate::page::Status;
 use crate::rules::Kind;
 use crate::source::{Confidence, Place, ReadStatus, Span};
-use crate::verdict::waiver::{Applied, Misspelt};
+use crate::verdict::waiver::{CommentFault, WaiverEffect};
 use crate::verdict::{Finding, Fix, Judge, Measured, NotEvaluated, Outcome, Row, Verdict, deference};
 use crate::world::{BagEvidence, World};
 
-use super::enabled::Enabled;
+use super::enabled::EnabledRule;
 use super::timings::{Phase, Timings};
 
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
 pub(super) fn judge<'r>(
     world: &World,
-    rules: impl IntoIterator<Item = &'r Enabled> + Clone,
+    rules: impl IntoIterator<Item = &'r EnabledRule> + Clone,
     settings: &Settings,
     label: Option<&str>,
     timings: &Timings,
@@ -101,7 +101,12 @@ fn written_fix(world: &World, mut fix: Fix) -> Option<Fix> {
 }
 
 /// Runs the rules about what the user accepts.
-pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[&Enabled], verdict: &mut Verdict) {
+pub(super) fn judge_policy(
+    applied: &[WaiverEffect],
+    misspelt: &[CommentFault],
+    rules: &[&EnabledRule],
+    verdict: &mut Verdict,
+) {
     for rule in rules {
         let Kind::Policy(asked) = rule.entry.kind else { continue };
         let mut out = Judge::default();
@@ -120,7 +125,7 @@ fn crash_of(asked: impl FnOnce()) -> Option<String> {
 }
 
 /// A rule without any outcome had nothing to judge.
-fn not_silent(rule: &Enabled, out: &mut Judge) {
+fn not_silent(rule: &EnabledRule, out: &mut Judge) {
     if out.judged.is_empty() {
         out.not_evaluated(
             "platform",
@@ -209,7 +214,7 @@ fn unmeasured(out: &Judge) -> Option<String> {
     Some(format!("pass of `{}` without a measurement", silent.subject))
 }
 
-fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
+fn take(mut out: Judge, rule: &EnabledRule, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
     let prefixed = |subject: String| match label {
         Some(label) => format!("{label}: {subject}"),
         None => subject,
@@ -272,7 +277,7 @@ pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
 mod tests {
     use super::*;
     use crate::page::{Page, Status};
-    use crate::rules::{Entry, Evidence, Need};
+    use crate::rules::{Entry, Need, SampleSize};
     use crate::source::{Place, SourceId};
     use crate::verdict::Severity;
 
@@ -293,7 +298,7 @@ mod tests {
     };
 
     fn run_with(entry: &'static Entry) -> Verdict {
-        let rule = Enabled::new(entry);
+        let rule = EnabledRule::new(entry);
         judge(
             &World::default(),
             [&rule],
@@ -305,7 +310,7 @@ mod tests {
 
     #[test]
     fn an_unmet_need_becomes_a_row_with_its_reason() {
-        let entry = Entry::of_test(&PAGE, &[Need::Robot], Evidence::LEAST, |_, _| panic!("must not run"));
+        let entry = Entry::of_test(&PAGE, &[Need::Robot], SampleSize::LEAST, |_, _| panic!("must not run"));
         let verdict = run_with(entry);
         assert_eq!(verdict.rows.len(), 1);
         assert_eq!(verdict.rows[0].outcome, Outcome::NotEvaluated);
@@ -317,7 +322,7 @@ mod tests {
 
     #[test]
     fn silence_becomes_not_evaluated() {
-        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, _| {});
+        let entry = Entry::of_test(&PAGE, &[], SampleSize::LEAST, |_, _| {});
         let verdict = run_with(entry);
         assert_eq!(
             verdict.rows[0].reason.as_deref(),
@@ -327,7 +332,7 @@ mod tests {
 
     #[test]
     fn a_crash_is_caught_and_named_and_what_was_judged_before_stays() {
-        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], SampleSize::LEAST, |_, out| {
             out.pass("first", [Measured::count("things", 1)]);
             panic!("boom")
         });
@@ -340,7 +345,7 @@ mod tests {
 
     #[test]
     fn a_pass_without_a_number_is_a_fault_of_the_rule() {
-        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], SampleSize::LEAST, |_, out| {
             out.pass("thing", []);
         });
         assert_eq!(run_with(entry).count(Outcome::Crashed), 1);
@@ -348,7 +353,7 @@ mod tests {
 
     #[test]
     fn the_page_caps_the_confidence() {
-        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], SampleSize::LEAST, |_, out| {
             out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
         });
         let verdict = run_with(entry);

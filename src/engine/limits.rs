@@ -6,7 +6,7 @@ use crate::config::LimitOverride;
 use crate::page::Number;
 
 use super::UsageError;
-use super::enabled::Enabled;
+use super::enabled::EnabledRule;
 
 /// Units that can be converted into one another, each with its size.
 const KINDS: [&[(&str, f64)]; 6] = [
@@ -23,7 +23,7 @@ const KINDS: [&[(&str, f64)]; 6] = [
 ];
 
 /// Sets a limit of a rule.
-pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), UsageError> {
+pub(super) fn set(rules: &mut [EnabledRule], limit: &LimitOverride) -> Result<(), UsageError> {
     let failed = |what: String| UsageError(format!("{}: {what}", limit.origin));
     let rule = rules.iter_mut().find(|rule| {
         [rule.entry.page.code, rule.entry.page.name]

@@ -23,33 +23,33 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::collect::How;
+use crate::collect::CollectOptions;
 use crate::config::Config;
 use crate::progress::Progress;
 use crate::read::allowed::AllowedFolders;
 use crate::read::discover::{Inputs, discover_of};
 use crate::read::messages::definition::Definitions;
-use crate::run::{Grown, Run};
+use crate::run::{Run, RunUpdate};
 use crate::source::Source;
 use crate::tables::Tables;
 use crate::verdict::Verdict;
 use crate::world::{Conventions, NamedDataset, World};
 
-use evidence::Saved;
-use governed::Governed;
+use evidence::SavedEvidence;
+use governed::Configurations;
 use plan::Choice;
 use platform::{Member, Platforms};
-use policy::{Demanded, RunPolicy};
-use renumber::Renumber;
+use policy::{RequirementContext, RunPolicy};
+use renumber::IdShift;
 use sessions::Sessions;
 use timings::Phase;
 
-pub use crate::read::discover::Wanted;
+pub use crate::read::discover::FileSelection;
 pub use crate::read::xacro::own::expand as expand_xacro;
-pub use crate::read::xacro::{Means as XacroMeans, VERB as EXPAND_XACRO};
+pub use crate::read::xacro::{ExpandOptions as XacroOptions, VERB as EXPAND_XACRO};
 pub use governed::settings_of;
 pub use hash::hash;
-pub use options::{Options, Sights, UsageError, Verdicts};
+pub use options::{Options, Retention, UsageError, VerdictScope};
 pub use policy::write_baseline;
 pub use sampling::Extent;
 pub use timings::Timings;
@@ -61,14 +61,14 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 
 /// Like [`check`], and reports results as soon as they are known, recording by recording. Every source, outcome and finding is reported
 /// once.
-pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
+pub fn check_each(options: &Options, listener: &mut dyn FnMut(&Run, &RunUpdate)) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let setup = Setup {
         options,
         definitions: definitions(options)?,
         governed: options
             .timings
-            .of(Phase::Configure, "", || Governed::new(options, &inputs))?,
+            .of(Phase::Configure, "", || Configurations::new(options, &inputs))?,
     };
     let files = setup.governed.files();
     let refused = options
@@ -80,35 +80,35 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     let mut saved: Vec<(usize, &PathBuf)> = (0..).zip(&options.evidence).collect();
     saved.sort_by_key(|(_, path)| *path);
     let saved = saved.into_iter();
-    let saved: Vec<Saved> = saved
-        .map(|(number, path)| Saved {
+    let saved: Vec<SavedEvidence> = saved
+        .map(|(number, path)| SavedEvidence {
             governed: setup.governed.of_document(number),
             ..evidence::read(path)
         })
         .collect();
-    let is_one = options.verdicts == Verdicts::One;
+    let is_one = options.verdicts == VerdictScope::One;
     let sessions = if is_one {
         Sessions::default()
     } else {
         sessions::of(&inputs)
     };
-    let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).drives.len();
+    let in_saved = |saved: &SavedEvidence| sessions::of_worlds(&saved.worlds, &saved.sources).drives.len();
     if sessions.drives.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
-        let mut run = recordings::check(&setup, &inputs, &sessions, saved, told)?;
+        let mut run = recordings::check(&setup, &inputs, &sessions, saved, listener)?;
         setup.governed.note_idle(options, &mut run.sources);
         return Ok(run);
     }
     let mut run = together(&setup, inputs, saved)?;
     setup.governed.note_idle(options, &mut run.sources);
     run.verdict.sort();
-    told(&run, &Grown::all(&run));
+    listener(&run, &RunUpdate::all(&run));
     Ok(run)
 }
 
 /// Context that is the same for everything that a run reads and judges.
 struct Setup<'o> {
     options: &'o Options,
-    governed: Governed,
+    governed: Configurations,
     definitions: Arc<Definitions>,
 }
 
@@ -129,8 +129,8 @@ impl Setup<'_> {
     /// What is kept of judged worlds for views, with the sources that they point at.
     fn seen(&self, worlds: &[World]) -> Vec<World> {
         match self.options.sights {
-            Sights::Everything => worlds.to_vec(),
-            Sights::None | Sights::Worlds | Sights::Plots => Vec::new(),
+            Retention::Everything => worlds.to_vec(),
+            Retention::None | Retention::Worlds | Retention::Plots => Vec::new(),
         }
     }
 
@@ -139,7 +139,7 @@ impl Setup<'_> {
         parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
             let judged = self.judge_as(self.governed.of(world), world, several);
             // More may be read of a recording, and it is compared with others.
-            if self.options.sights == Sights::None && world.bags.is_empty() {
+            if self.options.sights == Retention::None && world.bags.is_empty() {
                 world.empty();
             } else {
                 world.forget();
@@ -159,7 +159,7 @@ impl Setup<'_> {
 }
 
 /// One verdict for everything.
-fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, UsageError> {
+fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<Run, UsageError> {
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
     let (mut worlds, mut verdicts, plan) = settle(&inputs, setup, others);
     let several = worlds.len() + others > 1;
@@ -176,9 +176,13 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
         run.platforms = labels;
     }
     let policy = RunPolicy::new(setup.options, &setup.governed, &mut run.sources)?;
-    let (verdict, laid) = policy.lay(verdicts, (&run.sources, &run.platforms), Some(&Demanded::default()));
+    let (verdict, applied) = policy.apply(
+        verdicts,
+        (&run.sources, &run.platforms),
+        Some(&RequirementContext::default()),
+    );
     run.verdict = verdict;
-    policy.close(laid, &mut run);
+    policy.close(applied, &mut run);
     if run.kept.drops_inapplicable() {
         run.verdict.drop_rows(|row| !row.applies());
     }
@@ -188,12 +192,12 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
 /// Judges an evidence document, and adds it to a run, its sources after the existing ones.
 fn add_saved(
     setup: &Setup,
-    saved: Saved,
+    saved: SavedEvidence,
     several: bool,
     run: &mut Run,
     labels: &mut Vec<String>,
 ) -> Vec<(usize, Verdict)> {
-    let Saved {
+    let SavedEvidence {
         worlds,
         sources,
         skipped,
@@ -206,7 +210,7 @@ fn add_saved(
     run.seen.extend(setup.seen(&worlds));
     labels.extend(worlds.into_iter().map(|world| world.label));
     let mut sources = Arc::unwrap_or_clone(sources);
-    let renumber = Renumber::behind(0, run.sources.len());
+    let renumber = IdShift::behind(0, run.sources.len());
     renumber.all(&mut sources, &mut Verdict::default());
     for (_, verdict) in &mut verdicts {
         renumber.all(&mut [], verdict);
@@ -217,7 +221,7 @@ fn add_saved(
 }
 
 /// An evidence document whose worlds have the declarations of the configuration.
-fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
+fn furnished(setup: &Setup, mut saved: SavedEvidence) -> SavedEvidence {
     let governed = saved.governed;
     saved.sources = declare(&mut saved.worlds, saved.sources, &setup.governed, |_| governed);
     saved
@@ -235,7 +239,9 @@ impl Rules {
 
     /// The rules that run with these options, with the limits of their configuration.
     pub fn of(options: &Options) -> Result<Self, UsageError> {
-        Ok(Self(Governed::new(options, &Inputs::default())?.into_outer().choice))
+        Ok(Self(
+            Configurations::new(options, &Inputs::default())?.into_outer().choice,
+        ))
     }
 
     /// Judges a world. Nothing is read.
@@ -259,7 +265,7 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let setup = Setup {
         options: &all,
         definitions: definitions(options)?,
-        governed: Governed::new(&all, &inputs)?,
+        governed: Configurations::new(&all, &inputs)?,
     };
     let (mut worlds, _, plan) = settle(&inputs, &setup, 0);
     let mut sources = take_sources(&mut worlds);
@@ -276,7 +282,7 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
 fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(usize, Verdict)>, sampling::Plan) {
     let mut plan = sampling::Plan::new(setup.options.extent, &setup.governed.rules());
     let progress = Progress::new(setup.options.progress);
-    let reading = Reading::new(inputs, setup, &progress);
+    let reading = ReadContext::new(inputs, setup, &progress);
     loop {
         let mut worlds = reading.worlds(&plan);
         let several = worlds.len() + others > 1;
@@ -293,10 +299,10 @@ pub fn read(options: &Options) -> Result<Run, UsageError> {
     let setup = Setup {
         options,
         definitions: definitions(options)?,
-        governed: Governed::new(options, &inputs)?,
+        governed: Configurations::new(options, &inputs)?,
     };
     let progress = Progress::new(options.progress);
-    let worlds = Reading::new(&inputs, &setup, &progress).worlds(&sampling::Plan::new(options.extent, &[]));
+    let worlds = ReadContext::new(&inputs, &setup, &progress).worlds(&sampling::Plan::new(options.extent, &[]));
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         worlds,
@@ -341,7 +347,7 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
 fn declare(
     worlds: &mut [World],
     sources: Arc<Vec<Arc<Source>>>,
-    governed: &Governed,
+    governed: &Configurations,
     of: impl Fn(&World) -> usize,
 ) -> Arc<Vec<Arc<Source>>> {
     // Released by the worlds, the list can be extended in place.
@@ -349,12 +355,12 @@ fn declare(
         world.sources = Arc::default();
     }
     let mut sources = Arc::unwrap_or_clone(sources);
-    let declared = Declared::all(governed, &mut sources);
+    let declared = Declarations::all(governed, &mut sources);
     let sources = Arc::new(sources);
     for world in worlds {
         world.sources = Arc::clone(&sources);
         if let Some(declared) = declared.get(of(world)) {
-            declared.tell(world);
+            declared.add_to(world);
         }
     }
     sources
@@ -362,15 +368,15 @@ fn declare(
 
 /// The declarations of a configuration for the worlds that it governs.
 #[derive(Default)]
-struct Declared {
+struct Declarations {
     conventions: Arc<Conventions>,
     tables: Arc<Tables>,
     dataset: Option<NamedDataset>,
 }
 
-impl Declared {
+impl Declarations {
     /// For every configuration, by its index. Their files become sources after the existing ones.
-    fn all(governed: &Governed, sources: &mut Vec<Arc<Source>>) -> Vec<Self> {
+    fn all(governed: &Configurations, sources: &mut Vec<Arc<Source>>) -> Vec<Self> {
         let first = governed.add_sources(sources);
         let declared = |config: &Config| Self {
             conventions: Arc::new(config.conventions(Some(first))),
@@ -382,7 +388,7 @@ impl Declared {
             .collect()
     }
 
-    fn tell(&self, world: &mut World) {
+    fn add_to(&self, world: &mut World) {
         world.tables = Arc::clone(&self.tables);
         world.dataset.clone_from(&self.dataset);
         world.declare(Arc::clone(&self.conventions));
@@ -390,22 +396,22 @@ impl Declared {
 }
 
 /// How inputs are read.
-struct Reading<'a> {
+struct ReadContext<'a> {
     inputs: &'a Inputs,
     setup: &'a Setup<'a>,
     progress: &'a Progress,
     /// How xacro files are expanded.
-    means: XacroMeans,
+    xacro: XacroOptions,
 }
 
-impl<'a> Reading<'a> {
+impl<'a> ReadContext<'a> {
     fn new(inputs: &'a Inputs, setup: &'a Setup<'a>, progress: &'a Progress) -> Self {
         let options = setup.options;
         Self {
             inputs,
             setup,
             progress,
-            means: XacroMeans {
+            xacro: XacroOptions {
                 run: options.xacro.run || setup.governed.runs_xacro(options),
                 allowed: AllowedFolders::around(options.paths.iter().map(PathBuf::as_path)),
                 ..options.xacro.clone()
@@ -430,19 +436,19 @@ impl<'a> Reading<'a> {
     /// Reads these of the inputs; see [`gather::gather`].
     fn members(&self, which: &[usize], emerged_from: usize, plan: &sampling::Plan) -> (Vec<Arc<Source>>, Vec<Member>) {
         let governed = &self.setup.governed;
-        let how = How {
+        let recordings = CollectOptions {
             sampling: plan.sampling(),
             definitions: Arc::clone(&self.setup.definitions),
             time_fields: governed.time_fields(),
-            ..How::default()
+            ..CollectOptions::default()
         };
         let readings = gather::gather(
             self.inputs,
             which,
             emerged_from,
-            gather::Manner {
-                means: &self.means,
-                how: &how,
+            gather::ReadOptions {
+                xacro: &self.xacro,
+                recordings: &recordings,
                 tables: &|input| governed.tables(input),
                 timings: &self.setup.options.timings,
             },

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use crate::config::ConfigError;
 use crate::files::Outputs;
-use crate::read::discover::Wanted;
-use crate::read::xacro::Means;
+use crate::read::discover::FileSelection;
+use crate::read::xacro::ExpandOptions;
 use crate::run::FailOn;
 use crate::verdict::KeptOutcomes;
 use crate::verdict::waiver::Day;
@@ -22,7 +22,7 @@ pub struct Options {
     /// Evidence documents, judged together with the paths.
     pub evidence: Vec<PathBuf>,
     /// Which files of the folders are read.
-    pub wanted: Wanted,
+    pub wanted: FileSelection,
     /// Codes, names and families of the rules to run; empty: all.
     pub select: Vec<String>,
     /// Codes, names and families of the rules to skip.
@@ -30,7 +30,7 @@ pub struct Options {
     /// Whether configurations that are found may refer to files outside of their repositories.
     pub outside: bool,
     /// How xacro files are expanded.
-    pub xacro: Means,
+    pub xacro: ExpandOptions,
     /// The configuration that [`check`](super::check) uses; `None`: the nearest above the inputs.
     pub config: Option<PathBuf>,
     /// Whether configurations are ignored.
@@ -42,11 +42,11 @@ pub struct Options {
     /// The lowest severity that fails a run, for the verdicts of recordings; `None`: that of the configuration.
     pub fail_on: Option<FailOn>,
     /// What has a verdict of its own.
-    pub verdicts: Verdicts,
+    pub verdicts: VerdictScope,
     /// Which outcomes are kept.
     pub outcomes: KeptOutcomes,
     /// Data kept for plots and views.
-    pub sights: Sights,
+    pub sights: Retention,
     /// The date on which waivers must still be valid; `None`: today in UTC.
     pub today: Option<Day>,
     /// How much of recordings is read.
@@ -63,7 +63,7 @@ pub struct Options {
 
 /// What has a verdict of its own in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Verdicts {
+pub enum VerdictScope {
     /// Each recording, if there are several.
     #[default]
     Each,
@@ -73,7 +73,7 @@ pub enum Verdicts {
 
 /// Data that a run keeps for plots and views; each value includes the ones before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Sights {
+pub enum Retention {
     /// The verdict alone.
     None,
     /// And what was read of every platform.

@@ -5,12 +5,12 @@ use crate::config::Config;
 use crate::page::{Page, names_rule};
 use crate::rules::{Kind, RULES};
 
-use super::enabled::Enabled;
+use super::enabled::EnabledRule;
 use super::{UsageError, limits};
 
 /// Every rule, in the order of the registry (by code).
-fn all() -> Vec<Enabled> {
-    RULES.iter().map(Enabled::new).collect()
+fn all() -> Vec<EnabledRule> {
+    RULES.iter().map(EnabledRule::new).collect()
 }
 
 /// Whether a rule compares the recordings of a platform.
@@ -22,12 +22,12 @@ pub(super) fn compares(code: &str) -> bool {
 /// The rules that run, and the limits of all.
 pub(super) struct Choice {
     /// The rules that run.
-    pub(super) rules: Vec<Enabled>,
+    pub(super) rules: Vec<EnabledRule>,
     /// The limits in force, including those of rules that do not run: estimates use them too.
     pub(super) settings: Settings,
 }
 
-fn settings(rules: &[Enabled]) -> Settings {
+fn settings(rules: &[EnabledRule]) -> Settings {
     let mut settings = Settings::default();
     for rule in rules {
         (rule.entry.add_limits)(&mut settings, rule.entry.page, rule.overrides.clone());
@@ -61,7 +61,7 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
         ignore.extend(left_out.map(|(word, _)| word.clone()));
     }
     let settings = settings(&all);
-    let rules: Vec<Enabled> = all
+    let rules: Vec<EnabledRule> = all
         .into_iter()
         .filter(|rule| select.is_empty() || select.iter().any(|word| matches(rule.entry.page, word)))
         .filter(|rule| !ignore.iter().any(|word| matches(rule.entry.page, word)))
@@ -77,7 +77,7 @@ fn matches(page: &Page, word: &str) -> bool {
     names_rule(word, page.code, page.name)
 }
 
-fn unknown(all: &[Enabled], word: &str) -> String {
+fn unknown(all: &[EnabledRule], word: &str) -> String {
     let lower = word.to_lowercase();
     let nearest = all
         .iter()

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use crate::analysis::cross::fit::Fit;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
-use crate::source::{Derived, Source, SourceId};
+use crate::source::{Derivation, Source, SourceId};
 use crate::world::{Facts, FrameId, FrameRole, World};
 
 use super::gather::Reading;
@@ -40,7 +40,7 @@ impl Member {
             id: source.id,
             group: input.group,
             display: source.path.clone(),
-            in_recording: matches!(source.derived, Some(Derived::Message(_))),
+            in_recording: matches!(source.derived, Some(Derivation::Message(_))),
             facts,
             dir: input.path.parent().unwrap_or(Path::new("")).to_path_buf(),
             path: input.path.clone(),
@@ -223,7 +223,7 @@ struct Anchor {
 const MAX_CANDIDATES: usize = 4;
 
 /// The platforms of a unit.
-enum Home {
+enum Placement {
     /// Each of these anchors.
     With(Vec<usize>),
     /// None. These are the candidates.
@@ -231,7 +231,7 @@ enum Home {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Around {
+enum AnchorKind {
     Robot,
     Robots,
     Recordings,
@@ -246,11 +246,11 @@ struct Layout<'a> {
     kinds: BTreeMap<&'a Path, Kinds>,
     root: &'a Path,
     /// The anchors of the platforms.
-    around: Around,
+    around: AnchorKind,
 }
 
 impl Layout<'_> {
-    fn home(&self, unit: &Unit) -> Home {
+    fn home(&self, unit: &Unit) -> Placement {
         let folders = unit.dir.ancestors().take_while(|folder| folder.starts_with(self.root));
         for folder in folders {
             let Some(near) = self.within.get(folder) else { continue };
@@ -258,7 +258,7 @@ impl Layout<'_> {
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
             return match (here.as_slice(), unit.dir == folder) {
                 // In a large collection, folders below the top folder are not related.
-                ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(Vec::new()),
+                ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Placement::Alone(Vec::new()),
                 ([], false) => {
                     let here = self.side(folder, &unit.dir);
                     let open = near.iter().copied().filter(|at| self.is_open(folder, *at, here));
@@ -268,7 +268,7 @@ impl Layout<'_> {
                 _ => self.choose(here.clone(), &here, unit),
             };
         }
-        Home::Alone(Vec::new())
+        Placement::Alone(Vec::new())
     }
 
     /// The contents of the direct subfolder of this folder that contains or is the other folder.
@@ -286,21 +286,21 @@ impl Layout<'_> {
         let there = self.side(folder, &anchor.dir);
         match self.around {
             // With one robot, everything belongs to it, unless a folder beside it has everything of another platform.
-            Around::Robot => !(here.states && here.records && (there.states || there.records)),
-            Around::Robots | Around::Recordings => !there.has_any_of(here),
+            AnchorKind::Robot => !(here.states && here.records && (there.states || there.records)),
+            AnchorKind::Robots | AnchorKind::Recordings => !there.has_any_of(here),
         }
     }
 
     /// Those of several anchors whose frames the unit names most.
-    fn choose(&self, open: Vec<usize>, near: &[usize], unit: &Unit) -> Home {
+    fn choose(&self, open: Vec<usize>, near: &[usize], unit: &Unit) -> Placement {
         if open.len() == 1 && near.len() == 1 {
-            return Home::With(open);
+            return Placement::With(open);
         }
-        if self.around == Around::Recordings {
+        if self.around == AnchorKind::Recordings {
             return if open.is_empty() {
-                Home::Alone(open)
+                Placement::Alone(open)
             } else {
-                Home::With(open)
+                Placement::With(open)
             };
         }
         let sharing_most = |among: &[usize], names: &BTreeSet<FrameId>| {
@@ -318,14 +318,14 @@ impl Layout<'_> {
         };
         let homes = best(&open);
         if !homes.is_empty() && homes.len() <= MAX_CANDIDATES {
-            return Home::With(homes);
+            return Placement::With(homes);
         }
         let mut beside = best(near);
         // A file that states transforms must be judged somewhere.
         if beside.is_empty() && unit.kinds.states {
             beside = self.nearest(near.to_vec(), &unit.dir);
         }
-        Home::Alone(beside)
+        Placement::Alone(beside)
     }
 
     /// Those of these anchors after which a file, or one of its folders, is named: `calibration/alpha.yaml` of `urdf/alpha.urdf`.
@@ -398,9 +398,9 @@ fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<Path
     };
     let anchors: Vec<Anchor> = robots.iter().map(anchor).collect();
     let around = if robots.len() > 1 {
-        Around::Robots
+        AnchorKind::Robots
     } else {
-        Around::Robot
+        AnchorKind::Robot
     };
     let clusters = robots.into_iter().map(|robot| vec![robot]).collect();
     let (mut clusters, alone) = distributed(units, (&anchors, clusters), recorded, (root, around));
@@ -420,7 +420,7 @@ fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path
     };
     let anchors: Vec<Anchor> = recorded.iter().map(anchor).collect();
     let empty = vec![Vec::new(); anchors.len()];
-    let (mut clusters, alone) = distributed(units, (&anchors, empty), recorded, (root, Around::Recordings));
+    let (mut clusters, alone) = distributed(units, (&anchors, empty), recorded, (root, AnchorKind::Recordings));
     clusters.members.retain(|members| !members.is_empty());
     let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
     for unit in alone {
@@ -435,7 +435,7 @@ fn distributed(
     units: Vec<Unit>,
     (anchors, members): (&[Anchor], Vec<Vec<Member>>),
     recorded: &BTreeSet<PathBuf>,
-    (root, around): (&Path, Around),
+    (root, around): (&Path, AnchorKind),
 ) -> (Clusters, Vec<Unit>) {
     let records = Kinds {
         states: false,
@@ -477,9 +477,9 @@ fn distributed(
         let id = unit.members.first().map(|first| first.id);
         let mut home = layout.home(&unit);
         let mut is_by_numbers = false;
-        if let Home::With(homes) = &mut home
+        if let Placement::With(homes) = &mut home
             && homes.len() > 1
-            && around != Around::Recordings
+            && around != AnchorKind::Recordings
         {
             let fitting = robots.fitting(homes, &clusters, &unit);
             is_by_numbers = !fitting.is_empty();
@@ -488,10 +488,10 @@ fn distributed(
             }
         }
         match home {
-            Home::With(homes) => {
+            Placement::With(homes) => {
                 let names = layout.names(&homes);
                 let note = match homes.len() {
-                    _ if around == Around::Recordings => None,
+                    _ if around == AnchorKind::Recordings => None,
                     1 if is_by_numbers => Some(format!("checked together with {names}, whose transforms it states")),
                     0 | 1 => None,
                     _ => Some(format!(
@@ -505,7 +505,7 @@ fn distributed(
                     }
                 }
             }
-            Home::Alone(beside) => {
+            Placement::Alone(beside) => {
                 if !beside.is_empty() {
                     let names = layout.names(&beside);
                     let note = format!(

@@ -9,7 +9,7 @@ use crate::config::Config;
 use crate::files;
 use crate::page::Page;
 use crate::policy::baseline::{self, Document};
-use crate::policy::{self, Context, Laid, Policy};
+use crate::policy::{self, AppliedPolicy, Context, Policy};
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
@@ -20,26 +20,26 @@ use crate::verdict::waiver::Day;
 use crate::verdict::{Row, Verdict};
 use crate::visible::pretty_json;
 
-use super::enabled::Enabled;
-use super::governed::Governed;
+use super::enabled::EnabledRule;
+use super::governed::Configurations;
 use super::{Options, UsageError, judge};
 
 /// What the user accepts and requires, for every verdict of a run.
 pub(super) struct RunPolicy<'a> {
     /// By the indices of the configurations.
-    each: Vec<Governing>,
+    each: Vec<ConfigPolicy>,
     /// Every rule.
     rules: Vec<&'static Page>,
     /// The base folder of the baseline's paths, if there is a baseline.
     folder: Option<PathBuf>,
     today: Day,
-    enabled: Vec<&'a Enabled>,
+    enabled: Vec<&'a EnabledRule>,
     /// Whether comments in the inputs accept findings.
     comments: bool,
 }
 
 /// The policy of one configuration.
-struct Governing {
+struct ConfigPolicy {
     policy: Policy,
     /// Codes of the rules that run.
     asked: BTreeSet<String>,
@@ -47,7 +47,7 @@ struct Governing {
 
 /// What requirements are checked against besides a verdict.
 #[derive(Default)]
-pub(super) struct Demanded<'a> {
+pub(super) struct RequirementContext<'a> {
     /// Outcomes of what was judged beside it.
     pub(super) beside: &'a [Row],
     /// Label of the recording, if each has its own verdict.
@@ -58,7 +58,7 @@ impl<'a> RunPolicy<'a> {
     /// Reads the baseline, which becomes a source after the existing ones, which include the configurations.
     pub(super) fn new(
         options: &'a Options,
-        governed: &'a Governed,
+        governed: &'a Configurations,
         sources: &mut Vec<Arc<Source>>,
     ) -> Result<Self, UsageError> {
         let first = sources
@@ -66,7 +66,7 @@ impl<'a> RunPolicy<'a> {
             .position(|source| source.kind == SourceKind::Configuration);
         let first = first.and_then(|at| u32::try_from(at).ok());
         let of_config = |config: &Option<Config>| Some(config.as_ref()?.policy(first?));
-        let each = governed.each().map(|one| Governing {
+        let each = governed.each().map(|one| ConfigPolicy {
             policy: of_config(&one.config).unwrap_or_default(),
             asked: one
                 .choice
@@ -75,7 +75,7 @@ impl<'a> RunPolicy<'a> {
                 .map(|rule| rule.entry.page.code.to_owned())
                 .collect(),
         });
-        let mut each: Vec<Governing> = each.collect();
+        let mut each: Vec<ConfigPolicy> = each.collect();
         if let Some(path) = &options.baseline {
             let (document, mut source, spans) = read_baseline(path)?;
             let id = SourceId(u32::try_from(sources.len()).unwrap_or(u32::MAX));
@@ -103,17 +103,17 @@ impl<'a> RunPolicy<'a> {
     }
 
     /// Applies to verdicts what the configurations with these indices accept and, if wanted, require. Returns one verdict of all.
-    pub(super) fn lay(
+    pub(super) fn apply(
         &self,
         verdicts: impl IntoIterator<Item = (usize, Verdict)>,
         (sources, platforms): (&[Arc<Source>], &[String]),
-        demanded: Option<&Demanded>,
-    ) -> (Verdict, Laid) {
+        demanded: Option<&RequirementContext>,
+    ) -> (Verdict, AppliedPolicy) {
         let mut parts: BTreeMap<usize, Vec<Verdict>> = BTreeMap::new();
         for (governed, verdict) in verdicts {
             parts.entry(governed).or_default().push(verdict);
         }
-        let (mut whole, mut all) = (Verdict::default(), Laid::default());
+        let (mut whole, mut all) = (Verdict::default(), AppliedPolicy::default());
         for (at, verdicts) in parts {
             let Some(governing) = self.each.get(at) else { continue };
             let mut verdict = Verdict::default();
@@ -123,16 +123,16 @@ impl<'a> RunPolicy<'a> {
             for one in verdicts {
                 verdict.extend(one);
             }
-            let mut laid = self.with(sources, platforms, &governing.asked, |context| {
-                policy::lay(&mut verdict, &governing.policy, context)
+            let mut applied = self.with(sources, platforms, &governing.asked, |context| {
+                policy::apply(&mut verdict, &governing.policy, context)
             });
             if let Some(demanded) = demanded {
                 let rows = (verdict.rows.as_slice(), demanded.beside);
                 self.with(&[], platforms, &governing.asked, |context| {
-                    laid.demand(rows, &governing.policy, demanded.recording, context);
+                    applied.demand(rows, &governing.policy, demanded.recording, context);
                 });
             }
-            all.join(laid);
+            all.join(applied);
             whole.extend(verdict);
         }
         (whole, all)
@@ -144,10 +144,10 @@ impl<'a> RunPolicy<'a> {
     }
 
     /// Ends a run: requirements, the effect of every acceptance, and the rules about these.
-    pub(super) fn close(&self, laid: Laid, run: &mut Run) {
+    pub(super) fn close(&self, applied: AppliedPolicy, run: &mut Run) {
         let asked = self.each.iter().flat_map(|one| one.asked.iter().cloned()).collect();
         let passed = self.with(&run.sources, &run.platforms, &asked, |context| {
-            laid.close(&run.verdict, context)
+            applied.close(&run.verdict, context)
         });
         judge::judge_policy(&passed.applied, &passed.misspelt, &self.enabled, &mut run.verdict);
         run.unmet = passed.unmet;

@@ -7,12 +7,12 @@ use crate::verdict::Verdict;
 
 /// The first id that is shifted, and by how much.
 #[derive(Clone, Copy)]
-pub(super) struct Renumber {
+pub(super) struct IdShift {
     from: u32,
     by: u32,
 }
 
-impl Renumber {
+impl IdShift {
     /// Ids from `from` on are shifted to begin at `at`.
     pub(super) fn behind(from: usize, at: usize) -> Self {
         let whole = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);

@@ -6,21 +6,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::read::bag::{Carried, Sampling};
-use crate::rules::Evidence;
+use crate::read::bag::{RunExtension, Sampling};
+use crate::rules::SampleSize;
 use crate::source::Source;
 use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
 use crate::world::World;
 use crate::world::bag::TopicEvidence;
 
-use super::enabled::Enabled;
+use super::enabled::EnabledRule;
 
 /// Bytes of messages in the first sample of a recording. A smaller recording is read completely. Zstandard decompresses about a gigabyte
 /// per second: a tenth of a second for every recording of any length.
 const FIRST_BYTES: u64 = 80 << 20;
 /// Number of windows that are extended for large scans, and bytes of each: two seconds of a lidar with 128 beams and 2048 columns at 10 Hz,
 /// 48 bytes per point.
-const CARRIED: Carried = Carried {
+const CARRIED: RunExtension = RunExtension {
     runs: 10,
     bytes: 256 << 20,
 };
@@ -58,11 +58,11 @@ pub(super) struct Plan {
 
 impl Plan {
     /// The sampling that the enabled rules need at first.
-    pub(super) fn new(asked: Extent, rules: &[&Enabled]) -> Self {
+    pub(super) fn new(asked: Extent, rules: &[&EnabledRule]) -> Self {
         let needed = rules
             .iter()
-            .map(|rule| rule.entry.evidence)
-            .fold(Evidence::LEAST, Evidence::max);
+            .map(|rule| rule.entry.sample)
+            .fold(SampleSize::LEAST, SampleSize::max);
         let first = Sampling {
             windows: asked.windows.unwrap_or(needed.windows).max(1),
             seconds: needed.seconds,

@@ -25,12 +25,12 @@ pub(super) struct Sessions {
     /// A list for each drive, in the order of the inputs.
     pub(super) drives: Vec<Vec<usize>>,
     /// For a recording, another one of the same time near it that is judged separately, and why.
-    beside: BTreeMap<usize, (usize, Apart)>,
+    beside: BTreeMap<usize, (usize, Separation)>,
 }
 
 impl Sessions {
-    fn of(known: &[Known]) -> Self {
-        let numbered = Numbered::new(known);
+    fn of(known: &[RecordingKey]) -> Self {
+        let numbered = ComparisonKeys::new(known);
         // For each recording an earlier one of its drive, for the first itself; and the first near it that is judged separately, with the reason.
         let mut first: Vec<usize> = (0..known.len()).collect();
         let mut apart = vec![None; known.len()];
@@ -74,10 +74,10 @@ impl Sessions {
         let (other, why) = self.beside.get(&recording)?;
         let other = path(*other)?;
         Some(match why {
-            Apart::Elsewhere => format!(
+            Separation::Elsewhere => format!(
                 "recorded at the same time as `{other}` and judged separately: to judge them together, put both into one folder"
             ),
-            Apart::Alike => format!(
+            Separation::Alike => format!(
                 "recorded at the same time as `{other}` with the same topics, and judged separately: a copy, or another robot"
             ),
         })
@@ -86,7 +86,7 @@ impl Sessions {
 
 /// Why two recordings of one time are not of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Apart {
+enum Separation {
     /// They are in neighbouring folders.
     Elsewhere,
     /// They have the same topics.
@@ -95,7 +95,7 @@ enum Apart {
 
 /// What determines the drive of a recording.
 #[derive(Clone)]
-struct Known {
+struct RecordingKey {
     number: usize,
     folder: Folder,
     outline: Outline,
@@ -147,7 +147,7 @@ pub(super) fn of(inputs: &Inputs) -> Sessions {
         // A recording without others in its folder and the neighbouring ones need not be opened.
         let is_near = |folder: &Folder| neighbours.get(folder).is_some_and(|count| *count > 1);
         let is_asked = input.refusal.is_none() && (is_near(&folder) || is_near(&above(&folder)));
-        Known {
+        RecordingKey {
             number,
             folder,
             outline: if is_asked { outline(input) } else { Outline::default() },
@@ -162,14 +162,14 @@ fn above((group, folder): &Folder) -> Folder {
 }
 
 /// What recordings are compared by, as numbers: sets and paths are compared once, not for each pair.
-struct Numbered<'k> {
+struct ComparisonKeys<'k> {
     /// For each recording, its folder, the parent of that, and its topics.
     of: Vec<(usize, usize, usize)>,
     topics: Vec<BTreeSet<&'k str>>,
 }
 
-impl<'k> Numbered<'k> {
-    fn new(known: &'k [Known]) -> Self {
+impl<'k> ComparisonKeys<'k> {
+    fn new(known: &'k [RecordingKey]) -> Self {
         let mut folders: BTreeMap<Folder, usize> = BTreeMap::new();
         let mut topics: BTreeMap<BTreeSet<&str>, usize> = BTreeMap::new();
         let mut of = Vec::with_capacity(known.len());
@@ -190,21 +190,21 @@ impl<'k> Numbered<'k> {
     }
 
     /// Whether two recordings of one time are of one drive, or why not; `None` if they are unrelated.
-    fn judge(&self, a: usize, b: usize) -> Option<Result<(), Apart>> {
+    fn judge(&self, a: usize, b: usize) -> Option<Result<(), Separation>> {
         let ((own, own_above, topics), (its, its_above, its_topics)) = (*self.of.get(a)?, *self.of.get(b)?);
         if own != its {
-            return (own_above == its_above).then_some(Err(Apart::Elsewhere));
+            return (own_above == its_above).then_some(Err(Separation::Elsewhere));
         }
         let (topics, its_topics) = (self.topics.get(topics)?, self.topics.get(its_topics)?);
         // Equal numbers are equal sets: no comparison needed.
         let are_one = std::ptr::eq(topics, its_topics) && !topics.is_empty();
         let is_complete = !are_one && complete_each_other(topics, its_topics);
-        Some(if is_complete { Ok(()) } else { Err(Apart::Alike) })
+        Some(if is_complete { Ok(()) } else { Err(Separation::Alike) })
     }
 }
 
 /// Pairs of recordings of one time, by their places in the list, in a fixed order.
-fn pairs(known: &[Known]) -> impl Iterator<Item = (usize, usize)> {
+fn pairs(known: &[RecordingKey]) -> impl Iterator<Item = (usize, usize)> {
     let spans = known.iter().enumerate();
     let mut timed: Vec<(usize, (i64, i64))> = spans.filter_map(|(at, one)| Some((at, one.outline.span_ns?))).collect();
     timed.sort_by_key(|(at, span)| (span.0, *at));
@@ -222,7 +222,7 @@ pub(super) fn of_worlds(worlds: &[World], sources: &[Arc<Source>]) -> Sessions {
     let bags = worlds.iter().flat_map(|world| &world.bags);
     let known = bags.filter_map(|bag| {
         let source = sources.get(bag.source.0 as usize)?;
-        Some(Known {
+        Some(RecordingKey {
             number: bag.source.0 as usize,
             folder: (0, folder(Path::new(&source.path), source.kind)),
             outline: Outline {
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn copies_are_judged_apart_and_what_completes_each_other_together() {
-        let known = |number: usize, topics: &[&str]| Known {
+        let known = |number: usize, topics: &[&str]| RecordingKey {
             number,
             folder: (1, Some(PathBuf::from("drive"))),
             outline: Outline {
@@ -311,7 +311,7 @@ mod tests {
         assert!(sessions.beside.is_empty());
         let copies = Sessions::of(&[all[0].clone(), all[2].clone()]);
         assert_eq!(copies.drives, [[0], [2]]);
-        assert_eq!(copies.beside[&2], (0, Apart::Alike));
+        assert_eq!(copies.beside[&2], (0, Separation::Alike));
         assert!(
             copies
                 .note(0, |other| Some(format!("{other}.mcap")))

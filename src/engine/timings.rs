@@ -23,11 +23,11 @@ pub(super) enum Phase {
     Judge,
 }
 
-type Spent = BTreeMap<(Phase, String), Duration>;
+type Durations = BTreeMap<(Phase, String), Duration>;
 
 /// Wall time by phase, and by input or rule; measured only if wanted.
 #[derive(Clone, Debug, Default)]
-pub struct Timings(Option<Arc<Mutex<Spent>>>);
+pub struct Timings(Option<Arc<Mutex<Durations>>>);
 
 impl Timings {
     /// Timings that are measured.

@@ -6,7 +6,7 @@
 
 /// The radial part of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Radial {
+pub enum RadialModel {
     /// `plumb_bob` (Brown and Conrady): k1, k2, k3.
     PlumbBob([f64; 3]),
     /// `rational_polynomial`: k1 to k6.
@@ -36,7 +36,7 @@ pub enum Reach {
 /// Angles that are tried from the axis to the side.
 const STEPS: u32 = 4000;
 
-impl Radial {
+impl RadialModel {
     /// The radius in the distorted image of what is seen at an angle.
     pub fn distorted(&self, angle_rad: f64) -> f64 {
         let even = |x: f64, k: &[f64]| k.iter().rev().fold(0.0, |sum, k| (sum + k) * x);
@@ -93,7 +93,7 @@ mod tests {
         // r (1 + k r^2) has its largest value at r = 1 / sqrt(-3 k), two thirds of that r.
         for k1 in [-0.1_f64, -0.3, -0.45] {
             let at = 1.0 / (-3.0 * k1).sqrt();
-            let radial = Radial::PlumbBob([k1, 0.0, 0.0]);
+            let radial = RadialModel::PlumbBob([k1, 0.0, 0.0]);
             let Some(Reach::Folds { radius, angle_rad }) = radial.reach(10.0) else {
                 panic!("{k1}")
             };
@@ -109,22 +109,22 @@ mod tests {
     #[test]
     fn a_pinhole_reaches_any_radius_at_its_own_angle() {
         for radius in [0.2_f64, 1.0, 3.0] {
-            let pinhole = Radial::PlumbBob([0.0; 3]).reach(radius);
+            let pinhole = RadialModel::PlumbBob([0.0; 3]).reach(radius);
             let Some(Reach::Whole { angle_rad }) = pinhole else {
                 panic!("{radius}")
             };
             assert!((angle_rad - radius.atan()).abs() < 1e-3, "{radius}");
         }
-        assert_eq!(Radial::PlumbBob([f64::NAN, 0.0, 0.0]).reach(1.0), None);
+        assert_eq!(RadialModel::PlumbBob([f64::NAN, 0.0, 0.0]).reach(1.0), None);
     }
 
     #[test]
     fn an_equidistant_lens_sees_behind_itself() {
-        let Some(Reach::Whole { angle_rad }) = Radial::Fisheye([0.0; 4]).reach(1.75) else {
+        let Some(Reach::Whole { angle_rad }) = RadialModel::Fisheye([0.0; 4]).reach(1.75) else {
             panic!("it reaches 1.75 rad")
         };
         assert!((angle_rad - 1.75).abs() < 1e-3);
-        let beyond = Radial::Fisheye([0.0; 4]).reach(4.0);
+        let beyond = RadialModel::Fisheye([0.0; 4]).reach(4.0);
         assert!(matches!(beyond, Some(Reach::Folds { radius, .. }) if (radius - std::f64::consts::PI).abs() < 1e-2));
     }
 
@@ -133,18 +133,18 @@ mod tests {
         // Worked out from the formulas of OpenCV's manual at r = 0.5 and theta = 0.9, with another program.
         let half = 0.5_f64.atan();
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
-        let found = Radial::PlumbBob([-0.28, 0.07, 0.01]).distorted(half);
+        let found = RadialModel::PlumbBob([-0.28, 0.07, 0.01]).distorted(half);
         assert!(near(found, 0.467_265_625), "{found}");
-        let found = Radial::Rational([8.0, 4.5, 0.2, 8.3, 6.6, 1.1]).distorted(half);
+        let found = RadialModel::Rational([8.0, 4.5, 0.2, 8.3, 6.6, 1.1]).distorted(half);
         assert!(near(found, 0.468_568_880_962_995_9), "{found}");
-        let found = Radial::Fisheye([-0.02, 0.004, -0.003, 0.0005]).distorted(0.9);
+        let found = RadialModel::Fisheye([-0.02, 0.004, -0.003, 0.0005]).distorted(0.9);
         assert!(near(found, 0.886_540_779_544_500_1), "{found}");
     }
 
     #[test]
     fn a_quotient_that_falls_again_folds_at_its_top() {
         // r / (1 + r^2) has its largest value, a half, at r = 1.
-        let Some(Reach::Folds { radius, angle_rad }) = Radial::Rational([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]).reach(2.0)
+        let Some(Reach::Folds { radius, angle_rad }) = RadialModel::Rational([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]).reach(2.0)
         else {
             panic!("it folds")
         };
@@ -153,7 +153,8 @@ mod tests {
             "{radius} {angle_rad}"
         );
         // r / (1 - r^2) has a pole at r = 1: every radius is reached before.
-        let Some(Reach::Whole { angle_rad }) = Radial::Rational([0.0, 0.0, 0.0, -1.0, 0.0, 0.0]).reach(100.0) else {
+        let Some(Reach::Whole { angle_rad }) = RadialModel::Rational([0.0, 0.0, 0.0, -1.0, 0.0, 0.0]).reach(100.0)
+        else {
             panic!("it reaches the pole")
         };
         assert!(angle_rad < 1.0_f64.atan());
@@ -162,7 +163,7 @@ mod tests {
     proptest! {
         #[test]
         fn up_to_where_a_model_folds_it_only_grows(k in prop::array::uniform4(-0.5..0.5), to in 0.1..3.0) {
-            for radial in [Radial::PlumbBob([k[0], k[1], k[2]]), Radial::Fisheye(k)] {
+            for radial in [RadialModel::PlumbBob([k[0], k[1], k[2]]), RadialModel::Fisheye(k)] {
                 let (end_rad, most) = match radial.reach(to) {
                     Some(Reach::Whole { angle_rad }) => (angle_rad, f64::INFINITY),
                     Some(Reach::Folds { radius, angle_rad }) => (angle_rad, radius + 1e-12),
@@ -179,20 +180,20 @@ mod tests {
 
         #[test]
         fn any_numbers_end_without_panic(k in prop::array::uniform6(prop::num::f64::ANY), to in prop::num::f64::ANY) {
-            let _ = Radial::Rational(k).reach(to);
-            let _ = Radial::PlumbBob([k[0], k[1], k[2]]).reach(to);
-            let _ = Radial::Fisheye([k[0], k[1], k[2], k[3]]).reach(to);
+            let _ = RadialModel::Rational(k).reach(to);
+            let _ = RadialModel::PlumbBob([k[0], k[1], k[2]]).reach(to);
+            let _ = RadialModel::Fisheye([k[0], k[1], k[2], k[3]]).reach(to);
         }
     }
 
     #[test]
     fn the_quotient_of_equal_polynomials_is_a_pinhole() {
-        let radial = Radial::Rational([0.3, -0.2, 0.1, 0.3, -0.2, 0.1]);
+        let radial = RadialModel::Rational([0.3, -0.2, 0.1, 0.3, -0.2, 0.1]);
         for angle_rad in [0.1_f64, 0.5, 1.0] {
             assert!((radial.distorted(angle_rad) - angle_rad.tan()).abs() < 1e-12);
         }
-        let plain = Radial::PlumbBob([0.3, -0.2, 0.1]);
-        let same = Radial::Rational([0.3, -0.2, 0.1, 0.0, 0.0, 0.0]);
+        let plain = RadialModel::PlumbBob([0.3, -0.2, 0.1]);
+        let same = RadialModel::Rational([0.3, -0.2, 0.1, 0.0, 0.0, 0.0]);
         assert!((plain.distorted(0.7) - same.distorted(0.7)).abs() < 1e-12);
     }
 }

@@ -17,7 +17,7 @@ const REACH: f64 = 1.5;
 
 /// One detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct Detection {
     /// From the sensor to it, a unit vector.
     pub direction: Vector3<f64>,
     /// How fast it goes away, m/s.
@@ -26,7 +26,7 @@ pub struct Sight {
 
 /// How a sensor moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ego {
+pub struct EgoVelocity {
     /// Its velocity relative to static surroundings, in the plane of x and y, m/s.
     pub velocity: Vector2<f64>,
     /// Standard error of the velocity in the least certain direction, m/s.
@@ -35,7 +35,7 @@ pub struct Ego {
     pub share: [usize; 2],
 }
 
-impl Sight {
+impl Detection {
     /// The residual range rate for a velocity of the sensor, m/s.
     fn left(&self, velocity: &Vector2<f64>) -> f64 {
         self.rate + velocity.dot(&self.direction.xy())
@@ -43,18 +43,18 @@ impl Sight {
 }
 
 /// How many detections agree with a velocity of the sensor.
-pub fn agreeing(sights: &[Sight], velocity: &Vector2<f64>, tolerance: f64) -> usize {
-    let agrees = |sight: &&Sight| sight.left(velocity).abs() <= tolerance;
+pub fn agreeing(sights: &[Detection], velocity: &Vector2<f64>, tolerance: f64) -> usize {
+    let agrees = |sight: &&Detection| sight.left(velocity).abs() <= tolerance;
     sights.iter().filter(agrees).count()
 }
 
 /// The velocity that most detections agree with to within the tolerance, m/s; its part along z is taken to be zero. `None` where
 /// they are in one direction, or too few.
-pub fn ego(sights: &[Sight], tolerance: f64) -> Option<Ego> {
-    let usable = |sight: &&Sight| sight.rate.is_finite() && sight.direction.iter().all(|part| part.is_finite());
-    let sights: Vec<Sight> = sights.iter().filter(usable).copied().collect();
+pub fn ego(sights: &[Detection], tolerance: f64) -> Option<EgoVelocity> {
+    let usable = |sight: &&Detection| sight.rate.is_finite() && sight.direction.iter().all(|part| part.is_finite());
+    let sights: Vec<Detection> = sights.iter().filter(usable).copied().collect();
     let cost = |velocity: &Vector2<f64>| -> f64 {
-        let of = |sight: &Sight| sight.left(velocity).abs().min(tolerance).powi(2);
+        let of = |sight: &Detection| sight.left(velocity).abs().min(tolerance).powi(2);
         sights.iter().map(of).sum()
     };
     let mut best = (cost(&Vector2::zeros()), Vector2::zeros());
@@ -72,7 +72,7 @@ pub fn ego(sights: &[Sight], tolerance: f64) -> Option<Ego> {
     for _ in 0..ROUNDS {
         (velocity, sigma) = weighed(&sights, &velocity, tolerance)?;
     }
-    Some(Ego {
+    Some(EgoVelocity {
         velocity,
         sigma,
         share: [agreeing(&sights, &velocity, tolerance), sights.len()],
@@ -97,7 +97,7 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
 }
 
 /// The velocity that two static detections determine.
-fn of_two(a: &Sight, b: &Sight) -> Option<Vector2<f64>> {
+fn of_two(a: &Detection, b: &Detection) -> Option<Vector2<f64>> {
     let rows = Matrix2::new(a.direction.x, a.direction.y, b.direction.x, b.direction.y);
     if rows.determinant().abs() < LEAST_APART {
         return None;
@@ -106,7 +106,7 @@ fn of_two(a: &Sight, b: &Sight) -> Option<Vector2<f64>> {
 }
 
 /// One round of least squares with Tukey's weights, and the standard error.
-fn weighed(sights: &[Sight], about: &Vector2<f64>, tolerance: f64) -> Option<(Vector2<f64>, f64)> {
+fn weighed(sights: &[Detection], about: &Vector2<f64>, tolerance: f64) -> Option<(Vector2<f64>, f64)> {
     let (mut information, mut moment) = (Matrix2::zeros(), Vector2::zeros());
     let (mut squares, mut weights) = (0.0, 0.0);
     for sight in sights {
@@ -135,7 +135,7 @@ fn weighed(sights: &[Sight], about: &Vector2<f64>, tolerance: f64) -> Option<(Ve
 
 /// How near a detection must be to where it is expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Near {
+pub struct MatchGate {
     /// In range, metres.
     pub range_m: f64,
     /// In direction, radians.
@@ -143,7 +143,7 @@ pub struct Near {
 }
 
 /// How many places of a scan are found in another one when they are moved: `to_from_from`, about the sensor.
-pub fn found(from: &[Vector3<f64>], to: &[Vector3<f64>], to_from_from: &Isometry3<f64>, near: Near) -> usize {
+pub fn found(from: &[Vector3<f64>], to: &[Vector3<f64>], to_from_from: &Isometry3<f64>, near: MatchGate) -> usize {
     let is_found = |place: &&Vector3<f64>| {
         let expected = to_from_from * nalgebra::Point3::from(**place);
         to.iter().any(|seen| {
@@ -168,9 +168,9 @@ mod tests {
         )
     }
 
-    fn sight(azimuth: f64, elevation: f64, velocity: &Vector3<f64>) -> Sight {
+    fn sight(azimuth: f64, elevation: f64, velocity: &Vector3<f64>) -> Detection {
         let direction = direction(azimuth, elevation);
-        Sight {
+        Detection {
             direction,
             rate: -velocity.dot(&direction),
         }
@@ -179,12 +179,12 @@ mod tests {
     #[test]
     fn exact_rates_give_the_exact_velocity() {
         // Straight ahead the rate is the speed, at 60 degrees half of it: v = (8, 0).
-        let ahead = Sight {
+        let ahead = Detection {
             direction: Vector3::x(),
             rate: -8.0,
         };
         let (sin, cos) = 60_f64.to_radians().sin_cos();
-        let aside = [sin, -sin].map(|sin| Sight {
+        let aside = [sin, -sin].map(|sin| Detection {
             direction: Vector3::new(cos, sin, 0.0),
             rate: -4.0,
         });
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(found.share, [5, 5]);
         // And of any motion in the plane, with elevations.
         let velocity = Vector3::new(-3.0, 1.5, 0.0);
-        let sights: Vec<Sight> = (0..12_u32)
+        let sights: Vec<Detection> = (0..12_u32)
             .map(|k| sight(f64::from(k) * 0.1 - 0.5, f64::from(k % 3) * 0.1 - 0.1, &velocity))
             .collect();
         let found = ego(&sights, 0.3).unwrap();
@@ -207,7 +207,7 @@ mod tests {
         let mut beyond = 0;
         for trial in 0..100 {
             let velocity = Vector3::new(rng.range(3.0, 25.0), rng.range(-1.0, 1.0), 0.0);
-            let sights: Vec<Sight> = (0..40)
+            let sights: Vec<Detection> = (0..40)
                 .map(|index| {
                     let mut one = sight(rng.range(-1.0, 1.0), rng.range(-0.1, 0.1), &velocity);
                     one.rate += 0.1 * rng.normal();
@@ -234,8 +234,8 @@ mod tests {
     #[test]
     fn rates_without_the_motion_of_the_sensor_give_none() {
         let mut rng = Rng::new(12);
-        let sights: Vec<Sight> = (0..30)
-            .map(|_| Sight {
+        let sights: Vec<Detection> = (0..30)
+            .map(|_| Detection {
                 direction: direction(rng.range(-1.0, 1.0), 0.0),
                 rate: 0.1 * rng.normal(),
             })
@@ -247,23 +247,23 @@ mod tests {
     #[test]
     fn one_direction_too_few_and_what_is_no_number_give_nothing() {
         let velocity = Vector3::new(8.0, 0.0, 0.0);
-        let same: Vec<Sight> = (0..20)
+        let same: Vec<Detection> = (0..20)
             .map(|k| sight(0.3 + f64::from(k) * 1e-4, 0.0, &velocity))
             .collect();
         assert!(ego(&same, 0.3).is_none());
         assert!(ego(&[], 0.3).is_none());
         assert!(ego(&same[..1], 0.3).is_none());
-        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(|rate| Sight {
+        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(|rate| Detection {
             direction: Vector3::x(),
             rate,
         });
         assert!(ego(&odd, 0.3).is_none());
         // Among others they do no harm.
-        let mut mixed: Vec<Sight> = (0..20)
+        let mut mixed: Vec<Detection> = (0..20)
             .map(|k| sight(f64::from(k) * 0.1 - 1.0, 0.0, &velocity))
             .collect();
         mixed.extend(odd);
-        mixed.push(Sight {
+        mixed.push(Detection {
             direction: Vector3::y(),
             rate: 1e300,
         });
@@ -279,7 +279,7 @@ mod tests {
             .collect();
         let motion = Isometry3::translation(-2.0, 0.0, 0.0);
         let to: Vec<Vector3<f64>> = from.iter().map(|place| place + motion.translation.vector).collect();
-        let near = Near {
+        let near = MatchGate {
             range_m: 0.3,
             angle_rad: 0.02,
         };

@@ -32,7 +32,7 @@ pub fn fit_drifting(
 }
 
 /// The source laid over the target by the two fits of [`fit_drifting`], turned and mirrored, with the drift taken off: metres of the target.
-pub fn laid_drifting(
+pub fn aligned_drifting(
     times_s: &[f64],
     source_m: &[Vector2<f64>],
     target_m: &[Vector2<f64>],
@@ -41,11 +41,11 @@ pub fn laid_drifting(
     if times_s.len() != source_m.len() {
         return None;
     }
-    let laid = |(fit, rate): (Similarity2, f64)| {
+    let drift = |(fit, rate): (Similarity2, f64)| {
         let track = turning(times_s, source_m, rate);
         track.iter().map(|place| fit.apply(place)).collect()
     };
-    Some(fits(times_s, source_m, target_m, most_rad_s)?.map(laid))
+    Some(fits(times_s, source_m, target_m, most_rad_s)?.map(drift))
 }
 
 /// The best fit of each sense with the rate of turn that is taken off before it, rad/s.

@@ -136,7 +136,7 @@ fn active(latitude: f64, longitude: f64) -> Rotation3<f64> {
 
 /// A rotation compared with the correct one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beside {
+pub struct RotationError {
     /// The angle between its z axis and up, 0..=pi.
     pub tilt_rad: f64,
     /// The angle of its x axis from east towards north, as seen from above; of use where the tilt is small.
@@ -144,10 +144,10 @@ pub struct Beside {
 }
 
 /// The attitude of an `earth_from_map` in east, north, up at a place.
-pub fn beside(place: &Geodetic, earth_from_map: &Rotation3<f64>) -> Beside {
+pub fn beside(place: &Geodetic, earth_from_map: &Rotation3<f64>) -> RotationError {
     let enu_from_map = place.enu_from_ecef() * earth_from_map;
     let (x, z) = (enu_from_map * Vector3::x(), enu_from_map * Vector3::z());
-    Beside {
+    RotationError {
         tilt_rad: z.x.hypot(z.y).atan2(z.z),
         yaw_rad: x.y.atan2(x.x),
     }

@@ -27,15 +27,15 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A series about its mean, and the sum of its squares.
-struct Centred {
+struct CentredSeries {
     stretches: Vec<Vec<f64>>,
     squares: f64,
     count: usize,
 }
 
-impl Centred {
+impl CentredSeries {
     /// `None` for a series that is empty, constant or not finite.
-    fn new<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<Centred> {
+    fn new<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<CentredSeries> {
         let mut stretches: Vec<Vec<f64>> = stretches.map(<[f64]>::to_vec).collect();
         let count: usize = stretches.iter().map(Vec::len).sum();
         let mean = stretches.iter().flatten().sum::<f64>() / count as f64;
@@ -43,7 +43,7 @@ impl Centred {
         let squares = stretches.iter().map(|s| dot(s, s)).sum::<f64>();
         // A constant has only rounding errors.
         let noise = (f64::EPSILON * mean).powi(2) * count as f64;
-        (count > 1 && squares.is_finite() && squares > noise).then_some(Centred {
+        (count > 1 && squares.is_finite() && squares > noise).then_some(CentredSeries {
             stretches,
             squares,
             count,
@@ -62,7 +62,7 @@ impl Centred {
 ///
 /// `None` for a series that is empty, constant or not finite.
 pub fn autocorrelation<S: AsRef<[f64]>>(stretches: &[S], most_lag: usize) -> Option<Vec<f64>> {
-    let series = Centred::new(stretches.iter().map(AsRef::as_ref))?;
+    let series = CentredSeries::new(stretches.iter().map(AsRef::as_ref))?;
     Some((0..=most_lag).map(|lag| series.at(lag)).collect())
 }
 
@@ -78,8 +78,8 @@ pub fn effective_count<A: AsRef<[f64]>, B: AsRef<[f64]>>(pairs: &[(A, B)]) -> Op
         let n = a.len().min(b.len());
         (a.get(..n).unwrap_or(a), b.get(..n).unwrap_or(b))
     });
-    let a = Centred::new(both.clone().map(|(a, _)| a))?;
-    let b = Centred::new(both.map(|(_, b)| b))?;
+    let a = CentredSeries::new(both.clone().map(|(a, _)| a))?;
+    let b = CentredSeries::new(both.map(|(_, b)| b))?;
     let n = a.count as f64;
     let (mut sum, mut last, mut crossed) = (0.0, a.count, false);
     let mut lag = 1;
@@ -165,8 +165,8 @@ mod tests {
         for _ in 0..400 {
             let (a, b) = (series(&mut rng, 0.9, 500), series(&mut rng, 0.9, 500));
             let (ca, cb) = (
-                Centred::new([a.as_slice()].into_iter()).unwrap(),
-                Centred::new([b.as_slice()].into_iter()).unwrap(),
+                CentredSeries::new([a.as_slice()].into_iter()).unwrap(),
+                CentredSeries::new([b.as_slice()].into_iter()).unwrap(),
             );
             let r =
                 dot(ca.stretches.first().unwrap(), cb.stretches.first().unwrap()) / (ca.squares * cb.squares).sqrt();

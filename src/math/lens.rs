@@ -6,14 +6,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::distortion::{Radial, Reach};
+use super::distortion::{RadialModel, Reach};
 
 /// A camera with its distortion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Row-major fx, skew, cx, fy, cy, pixels.
     k: [f64; 5],
-    radial: Radial,
+    radial: RadialModel,
     /// p1, p2.
     tangential: [f64; 2],
     /// s1 to s4.
@@ -38,26 +38,26 @@ impl Lens {
         }
         let mut lens = Self {
             k: [fx, skew, cx, fy, cy],
-            radial: Radial::PlumbBob([0.0; 3]),
+            radial: RadialModel::PlumbBob([0.0; 3]),
             tangential: [0.0; 2],
             prism: [0.0; 4],
             tilt: Matrix3::identity(),
             widest_rad: WIDEST_PERSPECTIVE_RAD,
         };
         match (model, d) {
-            ("equidistant" | "fisheye", []) => lens.radial = Radial::Fisheye([0.0; 4]),
-            ("equidistant" | "fisheye", [k1, k2, k3, k4]) => lens.radial = Radial::Fisheye([*k1, *k2, *k3, *k4]),
+            ("equidistant" | "fisheye", []) => lens.radial = RadialModel::Fisheye([0.0; 4]),
+            ("equidistant" | "fisheye", [k1, k2, k3, k4]) => lens.radial = RadialModel::Fisheye([*k1, *k2, *k3, *k4]),
             ("" | "plumb_bob" | "rational_polynomial", []) => {}
             ("plumb_bob", [k1, k2, p1, p2]) => {
-                lens.radial = Radial::PlumbBob([*k1, *k2, 0.0]);
+                lens.radial = RadialModel::PlumbBob([*k1, *k2, 0.0]);
                 lens.tangential = [*p1, *p2];
             }
             ("plumb_bob", [k1, k2, p1, p2, k3]) => {
-                lens.radial = Radial::PlumbBob([*k1, *k2, *k3]);
+                lens.radial = RadialModel::PlumbBob([*k1, *k2, *k3]);
                 lens.tangential = [*p1, *p2];
             }
             ("rational_polynomial", [k1, k2, p1, p2, k3, k4, k5, k6, rest @ ..]) => {
-                lens.radial = Radial::Rational([*k1, *k2, *k3, *k4, *k5, *k6]);
+                lens.radial = RadialModel::Rational([*k1, *k2, *k3, *k4, *k5, *k6]);
                 lens.tangential = [*p1, *p2];
                 match rest {
                     [] => {}
@@ -73,7 +73,7 @@ impl Lens {
         }
         // How far it can be used: any radius that no image has.
         if let Some(Reach::Folds { angle_rad, .. }) = lens.radial.reach(1e6) {
-            let is_fisheye = matches!(lens.radial, Radial::Fisheye(_));
+            let is_fisheye = matches!(lens.radial, RadialModel::Fisheye(_));
             let most = if is_fisheye {
                 std::f64::consts::PI
             } else {
@@ -92,7 +92,7 @@ impl Lens {
         if !(angle_rad.is_finite() && point.norm() > 1e-9) || angle_rad > self.widest_rad {
             return None;
         }
-        let [x, y] = if let Radial::Fisheye(_) = self.radial {
+        let [x, y] = if let RadialModel::Fisheye(_) = self.radial {
             let scale = if aside > 1e-12 {
                 self.radial.distorted(angle_rad) / aside
             } else {

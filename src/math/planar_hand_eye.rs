@@ -14,7 +14,7 @@ const OUTLIER: f64 = 4.0;
 
 /// The mounting of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mounted {
+pub struct PlanarMount {
     /// `body_from_sensor`: its yaw, radians, and its place, metres.
     pub yaw_rad: f64,
     /// x and y on the body, metres of the sensor.
@@ -31,7 +31,7 @@ pub struct Mounted {
 
 /// Solves for `body_from_sensor` from motions `(body, sensor)`, each the later pose in the earlier one's axes. `None` where they do
 /// not determine it: too few, or hardly any turning.
-pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
+pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<PlanarMount> {
     let is_finite = |motion: &Isometry2<f64>| motion.to_homogeneous().iter().all(|value| value.is_finite());
     let pairs: Vec<_> = pairs
         .iter()
@@ -66,7 +66,7 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
     }
     let share = (GROUPS - 1) as f64 / GROUPS as f64;
     let left: Vec<f64> = kept.iter().map(|pair| left_m(pair, &whole)).collect();
-    Some(Mounted {
+    Some(PlanarMount {
         yaw_rad,
         place: at,
         scale: scale(&whole),

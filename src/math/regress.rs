@@ -9,7 +9,7 @@ use super::stats::{MAD_TO_SIGMA, median};
 
 /// Whether the line passes through the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Through {
+pub enum LineForm {
     /// y = slope x.
     Origin,
     /// y = intercept + slope x.
@@ -39,7 +39,7 @@ pub struct Line {
 /// The least-squares line of `(x, y)` pairs.
 ///
 /// `None` when x does not vary (from 0, for a line through the origin), or with fewer pairs than parameters.
-pub fn fit(pairs: &[(f64, f64)], through: Through, n_eff: f64) -> Option<Line> {
+pub fn fit(pairs: &[(f64, f64)], through: LineForm, n_eff: f64) -> Option<Line> {
     let pairs = finite(pairs);
     let weights = vec![1.0; pairs.len()];
     let line = weighted(&pairs, &weights, through)?;
@@ -54,7 +54,7 @@ const HUBER_K: f64 = 1.5;
 /// with s the median absolute residual times 1.4826. It starts from the median slope, so that a third of the pairs may
 /// be outliers in y. The standard error is Huber's (Robust Statistics, 1981, equation 7.6.3, without its small
 /// correction). `None` as for [`fit`].
-pub fn fit_huber(pairs: &[(f64, f64)], through: Through, n_eff: f64) -> Option<Line> {
+pub fn fit_huber(pairs: &[(f64, f64)], through: LineForm, n_eff: f64) -> Option<Line> {
     let pairs = finite(pairs);
     let mut line = weighted(&pairs, &vec![1.0; pairs.len()], through)?;
     if let Some(start) = median_line(&pairs, through) {
@@ -117,16 +117,16 @@ fn finite(pairs: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// A line for the robust fit to start from.
-fn median_line(pairs: &[(f64, f64)], through: Through) -> Option<Line> {
+fn median_line(pairs: &[(f64, f64)], through: LineForm) -> Option<Line> {
     let (slope, intercept) = match through {
         // Weighted by nothing: ratios at small x are wild, so those of the larger half decide.
-        Through::Origin => {
+        LineForm::Origin => {
             let sizes: Vec<f64> = pairs.iter().map(|(x, _)| x.abs()).collect();
             let least = median(&sizes)?;
             let large = pairs.iter().filter(|(x, _)| x.abs() >= least && *x != 0.0);
             (median(&large.map(|(x, y)| y / x).collect::<Vec<_>>())?, 0.0)
         }
-        Through::Anywhere => {
+        LineForm::Anywhere => {
             let slope = median_slope(pairs)?;
             (
                 slope,
@@ -155,8 +155,8 @@ fn residuals<'a>(pairs: &'a [(f64, f64)], line: &Line) -> impl Iterator<Item = f
 }
 
 /// The mean of x that a slope is measured about, weighted.
-fn centre(pairs: &[(f64, f64)], weights: &[f64], through: Through) -> (f64, f64) {
-    if through == Through::Origin {
+fn centre(pairs: &[(f64, f64)], weights: &[f64], through: LineForm) -> (f64, f64) {
+    if through == LineForm::Origin {
         return (0.0, 0.0);
     }
     let total: f64 = weights.iter().sum();
@@ -165,7 +165,7 @@ fn centre(pairs: &[(f64, f64)], weights: &[f64], through: Through) -> (f64, f64)
     (x / total, y / total)
 }
 
-fn weighted(pairs: &[(f64, f64)], weights: &[f64], through: Through) -> Option<Line> {
+fn weighted(pairs: &[(f64, f64)], weights: &[f64], through: LineForm) -> Option<Line> {
     let (x0, y0) = centre(pairs, weights, through);
     let (mut xx, mut xy) = (0.0, 0.0);
     for ((x, y), w) in pairs.iter().zip(weights) {
@@ -176,15 +176,15 @@ fn weighted(pairs: &[(f64, f64)], weights: &[f64], through: Through) -> Option<L
     (slope.is_finite() && pairs.len() >= parameters(through)).then(|| plain(slope, y0 - slope * x0))
 }
 
-fn parameters(through: Through) -> usize {
+fn parameters(through: LineForm) -> usize {
     match through {
-        Through::Origin => 1,
-        Through::Anywhere => 2,
+        LineForm::Origin => 1,
+        LineForm::Anywhere => 2,
     }
 }
 
 /// The line with its errors; `squares` is the sum of squared residuals, or what stands for it.
-fn finished(line: Line, pairs: &[(f64, f64)], through: Through, n_eff: f64, squares: f64, lightened: usize) -> Line {
+fn finished(line: Line, pairs: &[(f64, f64)], through: LineForm, n_eff: f64, squares: f64, lightened: usize) -> Line {
     let (x0, _) = centre(pairs, &vec![1.0; pairs.len()], through);
     let xx: f64 = pairs.iter().map(|(x, _)| (x - x0) * (x - x0)).sum();
     let free = n_eff - parameters(through) as f64;

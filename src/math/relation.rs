@@ -15,7 +15,7 @@ mod tests_relation;
 #[cfg(test)]
 mod tests_setup;
 
-pub use classify::{Classification, EitherWay, Tolerance, classify, classify_either_way, classify_rotation};
+pub use classify::{Classification, Tolerance, TwoWayMatch, classify, classify_either_way, classify_rotation};
 
 /// Writes the enum, the list in prior order, the words, phrases and sentences from one table, so that they can't drift.
 macro_rules! relations {

@@ -46,7 +46,7 @@ impl Default for Options {
 
 /// One window at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Still {
+pub struct RestWindow {
     /// The time of its first row, seconds.
     pub start_s: f64,
     /// The time of its last row, seconds.
@@ -59,9 +59,9 @@ pub struct Still {
 
 /// What was found at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rest {
+pub struct RestEstimate {
     /// The windows at rest, in the order of the stretches.
-    pub windows: Vec<Still>,
+    pub windows: Vec<RestWindow>,
     /// How many windows were looked at.
     pub looked_at: usize,
     /// The bias that was removed, rad/s: the median per axis of the mean rates of windows whose force and rate are
@@ -69,7 +69,7 @@ pub struct Rest {
     pub bias_rad_s: Vector3<f64>,
 }
 
-impl Rest {
+impl RestEstimate {
     /// The time at rest, seconds.
     pub fn seconds(&self) -> f64 {
         self.windows.iter().map(|w| w.end_s - w.start_s).sum()
@@ -126,7 +126,7 @@ impl Sums {
 ///
 /// A window with fewer than three rows, or that covers less than half of its length, is not looked at. Rows that are not
 /// finite are left out. Windows end at the end of a stretch and at a step back in time.
-pub fn rest<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Rest {
+pub fn rest<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> RestEstimate {
     let mut windows: Vec<Sums> = Vec::new();
     for stretch in stretches {
         let mut open = Sums::default();
@@ -158,14 +158,14 @@ pub fn rest<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Rest {
     });
     let still = moments.iter().filter_map(|(sums, [(rate, _), (force, force_sd)])| {
         let rests = *force_sd < options.force_sd_m_s2 && (rate - bias_rad_s).norm() < options.rate_rad_s;
-        rests.then_some(Still {
+        rests.then_some(RestWindow {
             start_s: sums.start_s,
             end_s: sums.end_s,
             rate_rad_s: *rate,
             force_m_s2: *force,
         })
     });
-    Rest {
+    RestEstimate {
         windows: still.collect(),
         looked_at: moments.len(),
         bias_rad_s,

@@ -81,7 +81,7 @@ pub fn singular_values(m: &Matrix3<f64>) -> Option<[f64; 3]> {
 
 /// The rotation nearest to a raw 3x3, with how far away it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
+pub struct NearestRotation {
     /// The proper rotation with the smallest Frobenius distance to the matrix.
     pub rotation: Rotation3<f64>,
     /// The Frobenius distance between the matrix and `rotation`. Dimensionless.
@@ -96,7 +96,7 @@ pub struct Nearest {
 ///
 /// `None` when an entry is not finite or its square overflows, or when the matrix is so singular that no single rotation is nearest (the second
 /// singular value is under 1e-9 of the first).
-pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Nearest> {
+pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<NearestRotation> {
     let svd = finite(m)?.try_svd(true, true, CONVERGED, MAX_ITERATIONS)?;
     let [largest, second, _]: [f64; 3] = svd.singular_values.into();
     if second.is_nan() || second <= 1e-9 * largest {
@@ -110,7 +110,7 @@ pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Nearest> {
         .zip(r.column_iter())
         .map(|(a, b)| a.cross(&b).norm().atan2(a.dot(&b)))
         .fold(0.0, f64::max);
-    Some(Nearest {
+    Some(NearestRotation {
         rotation: Rotation3::from_matrix_unchecked(r),
         distance: (m - r).norm(),
         angle_moved_rad,

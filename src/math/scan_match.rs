@@ -50,7 +50,7 @@ struct Line {
 
 /// The motion between two scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Matched {
+pub struct ScanMatch {
     /// `target_from_source`.
     pub motion: Isometry2<f64>,
     /// Standard error of its angle, radians.
@@ -129,7 +129,7 @@ fn line(points: &[Vector2<f64>], index: usize) -> Option<Line> {
 }
 
 /// The motion `target_from_source` near a guess; `None` where too little of the one is seen in the other.
-pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<Matched> {
+pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<ScanMatch> {
     let mut motion = *guess;
     for round in 0..ROUNDS {
         let share = f64::from(round.min(NARROWING)) / f64::from(NARROWING);
@@ -153,7 +153,7 @@ pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<M
     let covariance = sure(&information, &pairs)?.try_inverse()? * variance;
     let place = SymmetricEigen::try_new(covariance.fixed_view::<2, 2>(0, 0).into_owned(), 1e-15, 50)?;
     let off: Vec<f64> = pairs.iter().map(|pair| pair.off_m.abs()).collect();
-    Some(Matched {
+    Some(ScanMatch {
         motion,
         sigma_rad: covariance.m33.max(0.0).sqrt(),
         sigma_m: place.eigenvalues.max().max(0.0).sqrt(),

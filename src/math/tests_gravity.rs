@@ -40,8 +40,8 @@ fn best(found: &Gravity) -> Reading {
 
 #[test]
 fn each_spelling_points_up_under_its_own_reading_alone() {
-    type Spell = fn(&Row) -> Row;
-    let spellings: [(Reading, Spell); 4] = [
+    type RowChange = fn(&Row) -> Row;
+    let spellings: [(Reading, RowChange); 4] = [
         (Reading::Xyzw, |r| *r),
         (Reading::Conjugate, |r| {
             let [x, y, z, w] = r.slots;

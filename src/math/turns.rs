@@ -19,8 +19,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::axis_maps::AxisSearch;
 use super::readings::Reading;
 use super::stats::median;
-use sums::{AtLags, Best, agreement, score};
-use windows::{Turned, Window, turned};
+use sums::{BestLags, LagTurns, agreement, score};
+use windows::{Window, WindowTurn, turned};
 
 /// One message: an orientation and a rate of the same body at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,7 +167,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
     let steps = if steps.is_finite() { steps as i32 } else { 0 };
     // A few hundred windows determine the lag as well as all do.
     let nth = windows.len().div_ceil(MOST_SEARCHED);
-    let mut best = Reading::ALL.map(|_| Best::default());
+    let mut best = Reading::ALL.map(|_| BestLags::default());
     let seconds = |lag: i32| f64::from(lag) * options.lag_step_s;
     for lag in -steps..=steps {
         let turned = turned(&runs, &windows, nth, seconds(lag));
@@ -178,12 +178,12 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
     }
     let lags = best.iter().flat_map(|b| [b.lag(), b.match_lag()]).chain([0]);
     let lags: BTreeSet<i32> = lags.collect();
-    let mut by_lag: BTreeMap<i32, Vec<Turned>> = lags
+    let mut by_lag: BTreeMap<i32, Vec<WindowTurn>> = lags
         .into_iter()
         .map(|lag| (lag, turned(&runs, &windows, 1, seconds(lag))))
         .collect();
     let bias_rad_s = {
-        let at = |best: &Best| (*best, by_lag.get(&best.lag()).map_or(&[][..], Vec::as_slice));
+        let at = |best: &BestLags| (*best, by_lag.get(&best.lag()).map_or(&[][..], Vec::as_slice));
         sums::bias(&windows, &best.each_ref().map(at), options.max_bias_rad_s)
     };
     for (window, gyro) in by_lag.values_mut().flat_map(|turned| windows.iter().zip(turned)) {
@@ -191,7 +191,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
     }
     let at = |lag: i32| by_lag.get(&lag).map_or(&[][..], Vec::as_slice);
     let still = at(0);
-    let is_active = |(w, g): (&Window, &Turned)| g.turn.norm() >= options.active_rad_s * w.length_s();
+    let is_active = |(w, g): (&Window, &WindowTurn)| g.turn.norm() >= options.active_rad_s * w.length_s();
     let active: Vec<bool> = windows.iter().zip(still).map(is_active).collect();
     let n = windows.len() as f64;
     let mean = still.iter().map(|g| g.turn).sum::<Vector3<f64>>() / n;
@@ -218,7 +218,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
         step_s,
         scores: std::array::from_fn(|i| {
             let best = best.get(i).copied().unwrap_or_default();
-            let lags = AtLags {
+            let lags = LagTurns {
                 still,
                 best: (seconds(best.lag()), at(best.lag())),
                 matched: (seconds(best.match_lag()), at(best.match_lag())),

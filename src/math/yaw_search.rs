@@ -30,7 +30,7 @@ pub struct Pair {
 
 /// The best yaw of a mounting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct MountYaw {
     /// The missing yaw of the mounting, counterclockwise, radians.
     pub yaw_rad: f64,
     /// Its standard error, by leaving out a tenth of the pairs at a time, radians.
@@ -42,7 +42,7 @@ pub struct Found {
 }
 
 /// The missing yaw of `body_from_lidar`; `None` without pairs that have points.
-pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) -> Option<Found> {
+pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) -> Option<MountYaw> {
     let costs: Vec<Vec<f64>> = pairs
         .iter()
         .filter(|pair| !pair.from.is_empty() && !pair.to.is_empty())
@@ -63,7 +63,7 @@ pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) 
     let t = rivals
         .map(|rival| paired_t(&costs, rival, at_best))
         .fold(f64::INFINITY, f64::min);
-    Some(Found {
+    Some(MountYaw {
         yaw_rad: best,
         // Half of the step between two yaws is no error, but less is not claimed than a quarter of it.
         sigma_rad: variance.sqrt().max(0.25 * yaw(1)),
@@ -183,8 +183,8 @@ mod tests {
         let mut rng = Rng::new(11);
         for true_deg in [0.0_f64, 90.0, -90.0, 180.0, 37.0] {
             let pairs = drive(true_deg.to_radians(), 5, 40, 0.2, &mut rng);
-            let told = Isometry2::new(Vector2::new(1.0, 0.3), 0.0);
-            let found = search(&pairs, &told, 0.26).unwrap();
+            let stated = Isometry2::new(Vector2::new(1.0, 0.3), 0.0);
+            let found = search(&pairs, &stated, 0.26).unwrap();
             let off_deg = difference(found.yaw_rad, true_deg.to_radians()).to_degrees().abs();
             assert!(
                 off_deg < 2.0 && off_deg < 4.0 * found.sigma_rad.to_degrees(),
@@ -202,8 +202,8 @@ mod tests {
             pair.to.clone_from(&pair.from);
             pair.body = Isometry2::identity();
         }
-        let told = Isometry2::identity();
-        assert!(search(&still, &told, 0.26).unwrap().t < 5.0);
+        let stated = Isometry2::identity();
+        assert!(search(&still, &stated, 0.26).unwrap().t < 5.0);
         let walls: Vec<Vector2<f64>> = (-30..30)
             .flat_map(|step| [-3.0, 3.0].map(|y| Vector2::new(0.5 * f64::from(step), y)))
             .collect();
@@ -215,7 +215,7 @@ mod tests {
             })
             .collect();
         assert!(
-            search(&corridor, &told, 0.26).unwrap().t < 5.0,
+            search(&corridor, &stated, 0.26).unwrap().t < 5.0,
             "forward and backward look the same"
         );
     }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::source::Place;
-use crate::verdict::waiver::{FAMILY, Identity, Waived, Waiver, WaiverKind};
+use crate::verdict::waiver::{Acceptance, FAMILY, Identity, Waiver, WaiverKind};
 use crate::verdict::{Finding, Measured, Verdict};
 
 use super::{Context, Exception, Scope};
@@ -96,7 +96,7 @@ impl Number {
 
 /// A finding that a baseline accepts.
 #[derive(Clone, Debug)]
-pub struct Accepted {
+pub struct AcceptedFinding {
     /// Its identity.
     pub identity: Identity,
     /// How many such findings.
@@ -107,7 +107,7 @@ pub struct Accepted {
     pub worst: Option<Number>,
 }
 
-impl Accepted {
+impl AcceptedFinding {
     /// Whether this is the finding, of any size.
     pub(super) fn was(&self, finding: &Finding, context: &Context) -> bool {
         self.identity == identity(finding, context)
@@ -175,7 +175,7 @@ pub fn of(verdict: &Verdict, context: &Context) -> Document {
 pub fn accept_all(verdict: &mut Verdict, origin: &str) {
     let open = |finding: &&mut Finding| finding.waived.is_none() && !finding.rule.starts_with(FAMILY);
     for finding in verdict.findings.iter_mut().filter(open) {
-        finding.waived = Some(Waived {
+        finding.waived = Some(Acceptance {
             reason: REASON.to_owned(),
             by: None,
             until: None,
@@ -203,7 +203,7 @@ pub fn exceptions(document: &Document, place: impl Fn(usize) -> (Place, String))
                 origin,
                 place,
             },
-            scope: Scope::Known(Box::new(Accepted {
+            scope: Scope::Known(Box::new(AcceptedFinding {
                 identity: Identity {
                     rule: entry.rule.clone(),
                     subject: entry.subject.clone(),

@@ -4,8 +4,8 @@
 //! `allow-file` applies to the whole file. The rules may be followed by `until YYYY-MM-DD`.
 
 use crate::page::names_rule;
-use crate::source::{Derived, LineIndex, Place, Source, SourceKind, Span};
-use crate::verdict::waiver::{Day, Misspelt, Waiver, WaiverKind};
+use crate::source::{Derivation, LineIndex, Place, Source, SourceKind, Span};
+use crate::verdict::waiver::{CommentFault, Day, Waiver, WaiverKind};
 
 use super::{Context, Exception, Scope};
 
@@ -16,7 +16,7 @@ const MARK: &str = "frames-lint:";
 const OPENERS: [&str; 6] = ["#", "//", "<!--", "/*", "--", ";"];
 
 /// Every comment to frames-lint in the sources: what it accepts, or what is wrong with it.
-pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
+pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<CommentFault>) {
     let mut exceptions = Vec::new();
     let mut misspelt = Vec::new();
     for source in context.sources {
@@ -54,7 +54,7 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
                     },
                     scope: Scope::Region(source.id, allowed.region),
                 })),
-                Err(fault) => misspelt.push(Misspelt {
+                Err(fault) => misspelt.push(CommentFault {
                     text: comment.text.trim().to_owned(),
                     fault,
                     place,
@@ -68,7 +68,7 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
 /// The path, and the message that a text came out of.
 fn name(source: &Source) -> String {
     match &source.derived {
-        Some(Derived::Message(message)) => format!("{} {}[{}]", source.path, message.topic, message.index),
+        Some(Derivation::Message(message)) => format!("{} {}[{}]", source.path, message.topic, message.index),
         _ => source.path.clone(),
     }
 }
@@ -92,7 +92,7 @@ struct Comment<'t> {
 
 /// What a comment accepts.
 #[derive(Clone)]
-struct Allowed {
+struct CommentWaiver {
     reason: String,
     until: Option<Day>,
     region: Span,
@@ -134,7 +134,7 @@ impl<'t> Comment<'t> {
     }
 
     /// The rules that it allows and where, or what is wrong with it.
-    fn read(&self, regions: &mut Regions, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
+    fn read(&self, regions: &mut Regions, context: &Context) -> Result<Vec<(String, CommentWaiver)>, String> {
         if !context.comments {
             return Err("comments are off; `comments: accept` in the configuration turns them on".to_owned());
         }
@@ -186,7 +186,7 @@ impl<'t> Comment<'t> {
         } else {
             regions.of_comment(self)
         };
-        let allowed = Allowed {
+        let allowed = CommentWaiver {
             reason,
             until,
             region,

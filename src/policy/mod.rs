@@ -13,14 +13,14 @@ use std::sync::Arc;
 use globset::GlobMatcher;
 
 use crate::page::{Page, names_rule};
-use crate::run::Unmet;
+use crate::run::UnmetRequirement;
 use crate::source::{Place, Source, SourceId, Span};
 use crate::verdict::deference;
-use crate::verdict::waiver::{Applied, Day, Misspelt, Waiver, plain_subject};
+use crate::verdict::waiver::{CommentFault, Day, Waiver, WaiverEffect, plain_subject};
 use crate::verdict::{Finding, Outcome, Row, Severity, Verdict};
 use crate::world::conventions::ends_with;
 
-use baseline::Accepted;
+use baseline::AcceptedFinding;
 
 /// The severity of a rule's findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ pub enum Scope {
     /// A part of a text.
     Region(SourceId, Span),
     /// One finding of a baseline.
-    Known(Box<Accepted>),
+    Known(Box<AcceptedFinding>),
 }
 
 /// A rule that must be evaluated, or is no longer required.
@@ -146,25 +146,25 @@ pub struct Context<'a> {
 
 /// What was applied to one verdict, apart from the marks in it.
 #[derive(Clone, Debug, Default)]
-pub struct Laid {
-    applied: Vec<(Applied, Scope)>,
-    misspelt: Vec<Misspelt>,
-    unmet: Vec<Unmet>,
+pub struct AppliedPolicy {
+    applied: Vec<(WaiverEffect, Scope)>,
+    misspelt: Vec<CommentFault>,
+    unmet: Vec<UnmetRequirement>,
 }
 
 /// The results of the policy in a run, apart from the marks in its verdict.
 #[derive(Clone, Debug, Default)]
-pub struct Passed {
+pub struct PolicyResults {
     /// What became of every acceptance.
-    pub applied: Vec<Applied>,
+    pub applied: Vec<WaiverEffect>,
     /// Comments to frames-lint that have no effect.
-    pub misspelt: Vec<Misspelt>,
+    pub misspelt: Vec<CommentFault>,
     /// What was required and not evaluated.
-    pub unmet: Vec<Unmet>,
+    pub unmet: Vec<UnmetRequirement>,
 }
 
 /// Applies a policy, and the comments in the sources, to a verdict: everything but requirements.
-pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
+pub fn apply(verdict: &mut Verdict, policy: &Policy, context: &Context) -> AppliedPolicy {
     verdict.recall();
     weigh(verdict, policy, context);
     let (comments, misspelt) = comments::all(context);
@@ -173,16 +173,16 @@ pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
     let applied = accept(verdict, known, context);
     deference::settle(verdict);
     settle_rows(verdict);
-    Laid {
+    AppliedPolicy {
         applied,
         misspelt,
         unmet: Vec::new(),
     }
 }
 
-impl Laid {
+impl AppliedPolicy {
     /// What was required and not evaluated, as far as it is known.
-    pub fn unmet(&self) -> &[Unmet] {
+    pub fn unmet(&self) -> &[UnmetRequirement] {
         &self.unmet
     }
 
@@ -211,7 +211,7 @@ impl Laid {
     /// Adds what was applied to another verdict of the same run: an acceptance is for both, and what is required of both and was
     /// evaluated in neither for the same reasons is reported once.
     pub fn join(&mut self, other: Self) {
-        let key = |one: &Applied| (one.waiver.kind, one.waiver.origin.clone(), one.waiver.rule.clone());
+        let key = |one: &WaiverEffect| (one.waiver.kind, one.waiver.origin.clone(), one.waiver.rule.clone());
         let known: BTreeMap<_, usize> = (0..).zip(&self.applied).map(|(at, (one, _))| (key(one), at)).collect();
         for (one, scope) in other.applied {
             match known.get(&key(&one)).and_then(|at| self.applied.get_mut(*at)) {
@@ -246,12 +246,12 @@ impl Laid {
     }
 
     /// The results when all verdicts of the run are complete.
-    pub fn close(self, verdict: &Verdict, context: &Context) -> Passed {
+    pub fn close(self, verdict: &Verdict, context: &Context) -> PolicyResults {
         let mut applied = self.applied;
         for (one, scope) in applied.iter_mut().filter(|(one, _)| one.matched == 0) {
             one.unjudged = scope.unjudged(&one.waiver, verdict, context);
         }
-        Passed {
+        PolicyResults {
             applied: applied.into_iter().map(|(one, _)| one).collect(),
             misspelt: self.misspelt,
             unmet: self.unmet,
@@ -321,13 +321,13 @@ fn weigh(verdict: &mut Verdict, policy: &Policy, context: &Context) {
 }
 
 /// Marks what is accepted. Every acceptance of a finding counts it, although the first one marks it.
-fn accept(verdict: &mut Verdict, exceptions: Vec<Exception>, context: &Context) -> Vec<(Applied, Scope)> {
-    let mut applied: Vec<(Applied, Scope)> = exceptions
+fn accept(verdict: &mut Verdict, exceptions: Vec<Exception>, context: &Context) -> Vec<(WaiverEffect, Scope)> {
+    let mut applied: Vec<(WaiverEffect, Scope)> = exceptions
         .into_iter()
         .map(|Exception { waiver, scope }| {
             let run_out = waiver.until.as_ref().filter(|until| *until < context.today);
             let expired_days = run_out.map(|until| context.today.days_since(until));
-            let applied = Applied {
+            let applied = WaiverEffect {
                 waiver,
                 matched: 0,
                 expired_days,

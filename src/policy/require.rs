@@ -1,8 +1,8 @@
 //! What must be evaluated, and was not: with the reason, and what is missing.
 
 use crate::page::{Page, names_rule};
-use crate::run::{SHARE, Unmet};
-use crate::verdict::waiver::{Applied, FAMILY, Waived, plain_subject};
+use crate::run::{SHARE, UnmetRequirement};
+use crate::verdict::waiver::{Acceptance, FAMILY, WaiverEffect, plain_subject};
 use crate::verdict::{Row, judged_of_applicable};
 
 use super::{Context, Force, RequiredShare, Requirement, Scope};
@@ -17,10 +17,10 @@ const MAX_REASONS: usize = 3;
 pub(super) fn unmet(
     rows: (&[Row], &[Row]),
     required: &[Requirement],
-    applied: &mut [(Applied, Scope)],
+    applied: &mut [(WaiverEffect, Scope)],
     context: &Context,
-) -> Vec<Unmet> {
-    let mut unmet: Vec<Unmet> = Vec::new();
+) -> Vec<UnmetRequirement> {
+    let mut unmet: Vec<UnmetRequirement> = Vec::new();
     for (at, requirement) in required.iter().enumerate() {
         if matches!(requirement.force, Force::Lifted(_)) {
             continue;
@@ -49,7 +49,7 @@ pub(super) fn unmet(
             if let Some(lifted) = behind.iter().find_map(|later| later.lifts(requirement, rule)) {
                 one.waived.get_or_insert(lifted);
             }
-            let is_known = |other: &&mut Unmet| other.rule == one.rule && other.subject == one.subject;
+            let is_known = |other: &&mut UnmetRequirement| other.rule == one.rule && other.subject == one.subject;
             match unmet.iter_mut().find(is_known) {
                 // It was lifted, and is required again later.
                 Some(known) if one.waived.is_none() => *known = one,
@@ -62,12 +62,12 @@ pub(super) fn unmet(
 }
 
 /// If fewer of the applicable checks were evaluated than required.
-pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
+pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<UnmetRequirement> {
     let (judged, applicable) = judged_of_applicable(rows.iter().filter(|row| !row.rule.starts_with(FAMILY)));
     if judged as f64 >= required.share * applicable as f64 {
         return None;
     }
-    Some(Unmet {
+    Some(UnmetRequirement {
         rule: SHARE.to_owned(),
         name: "of the checks that apply".to_owned(),
         subject: None,
@@ -86,13 +86,13 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
 
 impl Requirement {
     /// The acceptance, if this entry lifts an earlier requirement of a rule.
-    fn lifts(&self, before: &Self, rule: &Page) -> Option<Waived> {
+    fn lifts(&self, before: &Self, rule: &Page) -> Option<Acceptance> {
         let Force::Lifted(reason) = &self.force else {
             return None;
         };
         let glob = |one: &Self| one.subject.as_ref().map(|glob| glob.glob().glob().to_owned());
         let is_meant = self.subject.is_none() || glob(self) == glob(before);
-        (is_meant && names_rule(&self.rule, rule.code, rule.name)).then(|| Waived {
+        (is_meant && names_rule(&self.rule, rule.code, rule.name)).then(|| Acceptance {
             reason: reason.clone(),
             by: None,
             until: None,
@@ -106,7 +106,7 @@ fn missing(
     requirement: &Requirement,
     rule: &Page,
     context: &Context,
-) -> Option<Unmet> {
+) -> Option<UnmetRequirement> {
     let rows: Vec<_> = rows.iter().filter(|row| row.rule == rule.code).collect();
     let meant = |subject: &str| {
         let subject = plain_subject(subject, context.platforms);
@@ -127,12 +127,12 @@ fn missing(
     }
     let not_judged: Vec<_> = rows.iter().filter(|row| !row.outcome.is_judged()).collect();
     let about: Vec<_> = not_judged.iter().filter(|row| meant(&row.subject)).collect();
-    let told = if about.is_empty() {
+    let listed = if about.is_empty() {
         not_judged.iter().collect()
     } else {
         about
     };
-    for row in told {
+    for row in listed {
         let reason = row.reason.clone().unwrap_or_else(|| row.outcome.word().to_owned());
         if !why.contains(&reason) {
             why.push(reason);
@@ -148,7 +148,7 @@ fn missing(
     if more > 0 {
         why.push(format!("and {more} more reasons"));
     }
-    Some(Unmet {
+    Some(UnmetRequirement {
         rule: rule.code.to_owned(),
         name: rule.name.to_owned(),
         subject: requirement.subject.as_ref().map(|glob| glob.glob().glob().to_owned()),

@@ -71,7 +71,7 @@ const UNREAD_FORMATS: &[(&str, &str)] = &[
 
 /// Which files are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wanted {
+pub enum FileSelection {
     /// Descriptions, calibrations, launch files and recordings.
     #[default]
     Facts,
@@ -81,11 +81,11 @@ pub enum Wanted {
 
 /// Collects the files under `paths`. A path that does not exist becomes an input with that problem.
 pub fn discover(paths: &[PathBuf]) -> Inputs {
-    discover_of(paths, Wanted::Facts)
+    discover_of(paths, FileSelection::Facts)
 }
 
 /// The same for files of one sort. The order of the paths does not matter.
-pub fn discover_of(paths: &[PathBuf], wanted: Wanted) -> Inputs {
+pub fn discover_of(paths: &[PathBuf], wanted: FileSelection) -> Inputs {
     let mut inputs = Inputs::default();
     let paths: BTreeSet<&PathBuf> = paths.iter().collect();
     for (index, path) in paths.into_iter().enumerate() {
@@ -124,7 +124,7 @@ fn once(files: &mut Vec<Input>) {
 const LOOSE: usize = 0;
 
 /// A file the user named: the report always shows what became of it.
-fn named_file(path: &Path, wanted: Wanted) -> Input {
+fn named_file(path: &Path, wanted: FileSelection) -> Input {
     let root = path.parent().unwrap_or(Path::new(""));
     let mut input = met(path, root, LOOSE, SourceKind::Unsupported);
     match first_bytes(path) {
@@ -132,7 +132,7 @@ fn named_file(path: &Path, wanted: Wanted) -> Input {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
             input.refusal = Some(format!("cannot be opened: {error}"));
         }
-        Ok(_) if wanted == Wanted::Code => {
+        Ok(_) if wanted == FileSelection::Code => {
             if code::is_code(&ending(path)) {
                 input.kind = SourceKind::Code;
             } else {
@@ -156,7 +156,7 @@ fn named_file(path: &Path, wanted: Wanted) -> Input {
     input
 }
 
-fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
+fn walk(root: &Path, group: usize, wanted: FileSelection, inputs: &mut Inputs) {
     let before = inputs.files.len();
     let walker = WalkBuilder::new(root)
         .require_git(false)
@@ -182,7 +182,7 @@ fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
         } else if kind.is_dir() {
             continue;
         }
-        if wanted == Wanted::Code {
+        if wanted == FileSelection::Code {
             if code::is_code(&ending(path)) {
                 inputs.files.push(met(path, root, group, SourceKind::Code));
             }

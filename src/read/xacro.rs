@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use crate::source::{LineIndex, Place, ReadStatus, Source, Span, Written};
+use crate::source::{ExpansionPart, LineIndex, Place, ReadStatus, Source, Span};
 use crate::world::Facts;
 
 use super::allowed::AllowedFolders;
@@ -60,7 +60,7 @@ pub const VERB: &str = "expand-xacro";
 
 /// How xacro files are expanded.
 #[derive(Clone, Debug, Default)]
-pub struct Means {
+pub struct ExpandOptions {
     /// This program, which expands a file when it is called with [`VERB`]; without it there is only the `xacro` program.
     pub own: Option<PathBuf>,
     /// Arguments of the form `name:=value`.
@@ -77,7 +77,11 @@ pub struct Means {
 /// # Errors
 ///
 /// [`Expansion`] states why there is no expansion; [`Expansion::report`] reports it to the user.
-pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) -> Result<Expanded, Expansion> {
+pub fn expand(
+    path: &Path,
+    means: &ExpandOptions,
+    packages: &BTreeMap<String, PathBuf>,
+) -> Result<ExpandedFile, Expansion> {
     let is_argument = |arg: &&String| !arg.starts_with('-') && arg.contains(":=");
     if let Some(odd) = means.args.iter().find(|arg| !is_argument(arg)) {
         // Anything else would be an option of the program, which can write files.
@@ -117,7 +121,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         Err(failure @ (Expansion::NotInstalled | Expansion::Failed { .. })) => match by_program(top) {
             Err(Expansion::NotInstalled) => Err(failure),
             // Files that it loads by a path from its own folder are not next to the copy.
-            Err(_) if top != path => return by_program(&path).map(Expanded::plain),
+            Err(_) if top != path => return by_program(&path).map(ExpandedFile::plain),
             expanded => expanded,
         },
         expanded => expanded,
@@ -125,13 +129,13 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     match (expanded, copies) {
         (Ok(marked), Some(copies)) => {
             let (text, written, templates) = copies.unmarked(&marked);
-            Ok(Expanded {
+            Ok(ExpandedFile {
                 text,
                 written,
                 templates,
             })
         }
-        (Ok(text), None) => Ok(Expanded::plain(text)),
+        (Ok(text), None) => Ok(ExpandedFile::plain(text)),
         (Err(Expansion::Failed { stderr, line }), Some(copies)) => Err(Expansion::Failed {
             stderr: copies.with_files(&stderr),
             line,
@@ -142,16 +146,16 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
 
 /// The expansion of a xacro file.
 #[derive(Clone, Debug, Default)]
-pub struct Expanded {
+pub struct ExpandedFile {
     /// The URDF.
     pub text: String,
     /// Where its parts are written; ids of sources are numbers of templates. Empty if not known.
-    pub written: Vec<Written>,
+    pub written: Vec<ExpansionPart>,
     /// The file itself, and those that it includes.
     pub templates: Vec<Template>,
 }
 
-impl Expanded {
+impl ExpandedFile {
     fn plain(text: String) -> Self {
         Self {
             text,

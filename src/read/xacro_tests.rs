@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use super::{Expansion, Means, Output, around, expand, run};
+use super::{ExpandOptions, Expansion, Output, around, expand, run};
 use crate::read::at_hand::left_out;
 use crate::source::{ReadStatus, Source, SourceId, SourceKind};
 
@@ -56,9 +56,9 @@ fn output_and_success_come_back() {
 #[test]
 fn only_arguments_reach_the_program() {
     for odd in ["-o", "--version", "-o:=x", "prefix"] {
-        let means = Means {
+        let means = ExpandOptions {
             args: vec![odd.to_owned()],
-            ..Means::default()
+            ..ExpandOptions::default()
         };
         let error = expand(Path::new("r.xacro"), &means, &BTreeMap::new()).unwrap_err();
         assert!(matches!(error, Expansion::Failed { stderr, .. } if stderr.contains(odd)));
@@ -96,11 +96,11 @@ fn an_undefined_argument_is_asked_for() {
     assert_eq!(problem.help.as_deref(), Some("pass --xacro-arg sim_mode:=<value>"));
 }
 
-fn by_xacro(args: &[&str]) -> Means {
-    Means {
+fn by_xacro(args: &[&str]) -> ExpandOptions {
+    ExpandOptions {
         run: true,
         args: args.iter().map(|arg| (*arg).to_owned()).collect(),
-        ..Means::default()
+        ..ExpandOptions::default()
     }
 }
 

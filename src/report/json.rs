@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::run::{FailOn, Recording, Run, Summary, Unmet};
-use crate::source::{Placed, Problem, Source};
+use crate::run::{FailOn, Recording, Run, Summary, UnmetRequirement};
+use crate::source::{Problem, Source, SourceValue};
 use crate::verdict::waiver::Day;
-use crate::verdict::{Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
+use crate::verdict::{Acceptance, Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety};
 
 use crate::visible::{text, write_json};
 
@@ -27,7 +27,7 @@ pub const SCHEMA: &str = "frames-lint/1";
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
-    made: Made,
+    made: Producer,
     inputs: Rows<'a, Arc<Source>, Input<'a>>,
     outcomes: Outcomes<'a>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
@@ -39,12 +39,12 @@ struct Document<'a> {
 
 /// The tool and the schema of the document.
 #[derive(Serialize)]
-pub(super) struct Made {
+pub(super) struct Producer {
     schema: &'static str,
     tool: Tool,
 }
 
-impl Made {
+impl Producer {
     pub(super) fn new() -> Self {
         Self {
             schema: SCHEMA,
@@ -91,7 +91,7 @@ pub(super) struct Input<'a> {
     status: &'static str,
     detail: Option<&'a str>,
     taken: Option<&'a str>,
-    not_understood: Vec<NotUnderstood<'a>>,
+    not_understood: Vec<CommentRow<'a>>,
     notes: &'a [String],
     examined: Share,
     problems: Vec<InputProblem<'a>>,
@@ -109,7 +109,7 @@ struct Share {
 }
 
 #[derive(Serialize)]
-struct NotUnderstood<'a> {
+struct CommentRow<'a> {
     part: &'a str,
     line: Option<usize>,
     column: Option<usize>,
@@ -254,7 +254,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
 pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde_json::Error> {
     let locator = Locator::new(&run.sources);
     let document = Document {
-        made: Made::new(),
+        made: Producer::new(),
         inputs: Rows {
             items: &run.sources,
             locator: &locator,
@@ -331,9 +331,9 @@ pub(super) fn input<'a>(source: &'a Arc<Source>, locator: &Locator) -> Input<'a>
     }
 }
 
-fn part<'a>(placed: &'a Placed<String>, locator: &Locator) -> NotUnderstood<'a> {
+fn part<'a>(placed: &'a SourceValue<String>, locator: &Locator) -> CommentRow<'a> {
     let PlaceKeys { line, column, .. } = keys(&locator.find(&placed.place));
-    NotUnderstood {
+    CommentRow {
         part: &placed.value,
         line,
         column,
@@ -378,7 +378,7 @@ pub(super) fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> Findin
     }
 }
 
-fn waived(waived: &Waived) -> WaivedRow<'_> {
+fn waived(waived: &Acceptance) -> WaivedRow<'_> {
     WaivedRow {
         reason: &waived.reason,
         by: waived.by.as_deref(),
@@ -387,7 +387,7 @@ fn waived(waived: &Waived) -> WaivedRow<'_> {
     }
 }
 
-pub(super) fn unmet(unmet: &Unmet) -> UnmetRow<'_> {
+pub(super) fn unmet(unmet: &UnmetRequirement) -> UnmetRow<'_> {
     UnmetRow {
         rule: &unmet.rule,
         name: &unmet.name,

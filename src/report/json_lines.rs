@@ -4,7 +4,7 @@
 
 use serde::Serialize;
 
-use crate::run::{FailOn, Grown, Run};
+use crate::run::{FailOn, Run, RunUpdate};
 use crate::visible::json_line;
 
 use super::json;
@@ -26,7 +26,7 @@ fn line<T: Serialize>(kind: &'static str, part: T, out: &mut String) -> Result<(
 /// The first line.
 pub fn start() -> Result<String, serde_json::Error> {
     let mut out = String::new();
-    line("run", json::Made::new(), &mut out)?;
+    line("run", json::Producer::new(), &mut out)?;
     Ok(out)
 }
 
@@ -34,7 +34,7 @@ pub fn start() -> Result<String, serde_json::Error> {
 const TOGETHER: usize = 1 << 20;
 
 /// Writes what was added to a run; `take` receives one block of lines after the other.
-pub fn grown(run: &Run, grown: &Grown, take: &mut dyn FnMut(&str)) -> Result<(), serde_json::Error> {
+pub fn grown(run: &Run, grown: &RunUpdate, take: &mut dyn FnMut(&str)) -> Result<(), serde_json::Error> {
     let mut out = String::new();
     let mut hand_on = |out: &mut String, least: usize| {
         if out.len() > least {
@@ -75,7 +75,7 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
 /// All lines of a completed run.
 pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     let mut out = start()?;
-    grown(run, &Grown::all(run), &mut |lines| out.push_str(lines))?;
+    grown(run, &RunUpdate::all(run), &mut |lines| out.push_str(lines))?;
     for recording in &run.recordings {
         line("recording", json::recording(recording), &mut out)?;
     }

@@ -83,7 +83,7 @@ fn case(row: &Row, findings: &[&Finding], fail_on: FailOn, locator: &Locator) ->
         Outcome::Pass | Outcome::Fail => match counting.first() {
             None => TestCaseStatus::success(),
             Some(first) => {
-                let words: Vec<String> = counting.iter().map(|finding| told(finding, locator)).collect();
+                let words: Vec<String> = counting.iter().map(|finding| failure_text(finding, locator)).collect();
                 failed(
                     NonSuccessKind::Failure,
                     first.severity.word(),
@@ -100,7 +100,7 @@ fn case(row: &Row, findings: &[&Finding], fail_on: FailOn, locator: &Locator) ->
         let _ = writeln!(out, "{}", clean(&measured_words(measured)));
     }
     for finding in findings.iter().filter(|finding| !fail_on.counts(finding)) {
-        out.push_str(&told(finding, locator));
+        out.push_str(&failure_text(finding, locator));
     }
     if !out.is_empty() {
         case.set_system_out(out);
@@ -109,7 +109,7 @@ fn case(row: &Row, findings: &[&Finding], fail_on: FailOn, locator: &Locator) ->
 }
 
 /// A finding in a few lines: the place, what is wrong, what to do.
-fn told(finding: &Finding, locator: &Locator) -> String {
+fn failure_text(finding: &Finding, locator: &Locator) -> String {
     let mut words = String::new();
     let place = finding.places.first().map(|label| locator.short(&label.place));
     let _ = writeln!(

@@ -36,7 +36,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
             let words = finding
                 .waived
                 .as_ref()
-                .map(crate::verdict::Waived::words)
+                .map(crate::verdict::Acceptance::words)
                 .unwrap_or_default();
             let _ = writeln!(
                 out,

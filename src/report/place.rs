@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Source, SourceId};
+use crate::source::{Derivation, LineColumn, LineIndex, MessageRef, Place, Source, SourceId, SourcePart};
 
 /// Finds lines and messages of places.
 pub(super) struct Locator<'a> {
@@ -118,8 +118,8 @@ impl<'a> Locator<'a> {
         let locate = |offset| Some(self.lines(place.source)?.locate(&source.text, offset));
         let span = place.span();
         let message = match (&place.at, &source.derived) {
-            (At::Message(message), _) => Some(message.as_ref().clone()),
-            (_, Some(Derived::Message(message))) => Some(message.clone()),
+            (SourcePart::Message(message), _) => Some(message.as_ref().clone()),
+            (_, Some(Derivation::Message(message))) => Some(message.clone()),
             _ => None,
         };
         Spot {
@@ -127,7 +127,7 @@ impl<'a> Locator<'a> {
             start: span.and_then(|span| locate(span.start)),
             end: span.and_then(|span| locate(span.end.max(span.start))),
             message,
-            expanded: matches!(source.derived, Some(Derived::Expansion)),
+            expanded: matches!(source.derived, Some(Derivation::Expansion)),
         }
     }
 
@@ -142,9 +142,9 @@ impl<'a> Locator<'a> {
             None => "?".to_owned(),
             Some(source) => match &source.derived {
                 None => self.path(source).to_owned(),
-                Some(Derived::Included) => format!("{} (included)", self.path(source)),
-                Some(Derived::Expansion) => format!("{} (expanded)", self.path(source)),
-                Some(Derived::Message(message)) => {
+                Some(Derivation::Included) => format!("{} (included)", self.path(source)),
+                Some(Derivation::Expansion) => format!("{} (expanded)", self.path(source)),
+                Some(Derivation::Message(message)) => {
                     format!("{} {}[{}]", self.path(source), message.topic, message.index)
                 }
             },
@@ -156,7 +156,7 @@ impl<'a> Locator<'a> {
         let place = &*self.written(place);
         let spot = self.find(place);
         match (&place.at, spot.start) {
-            (At::Message(message), _) => format!("{} {} message {}", spot.path, message.topic, message.index),
+            (SourcePart::Message(message), _) => format!("{} {} message {}", spot.path, message.topic, message.index),
             (_, Some(at)) => format!("{}:{}:{}", self.name(place.source), at.line, at.column),
             _ => self.name(place.source),
         }

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::run::Run;
-use crate::source::{Confidence, Derived, MessageRef, Place, Source, SourceId, SourceKind};
+use crate::source::{Confidence, Derivation, MessageRef, Place, Source, SourceId, SourceKind};
 use crate::verdict::{Finding, Outcome, Row};
 use crate::world::bag::{BagEvidence, TfEdge, TfSample};
 use crate::world::{Claim, ClaimKind, FrameId, FrameRole, FrameUse, Pose, Spelling, World};
@@ -31,7 +31,7 @@ impl Sample {
         id
     }
 
-    pub(super) fn derived(&mut self, path: &str, kind: SourceKind, text: &str, derived: Derived) -> SourceId {
+    pub(super) fn derived(&mut self, path: &str, kind: SourceKind, text: &str, derived: Derivation) -> SourceId {
         let id = self.source(path, kind, text);
         std::sync::Arc::make_mut(&mut self.run.sources[id.0 as usize]).derived = Some(derived);
         id
@@ -163,9 +163,9 @@ pub(super) fn everything() -> Run {
         "drive.mcap",
         SourceKind::RobotDescription,
         ROBOT,
-        Derived::Message(message("/robot_description", 0)),
+        Derivation::Message(message("/robot_description", 0)),
     );
-    let expanded = s.derived("cart.xacro", SourceKind::Urdf, ROBOT, Derived::Expansion);
+    let expanded = s.derived("cart.xacro", SourceKind::Urdf, ROBOT, Derivation::Expansion);
     let broken = s.source("calib.yaml", SourceKind::Yaml, "a: 1\nb: [\n");
     let fault = s.at(broken, "[");
     std::sync::Arc::make_mut(&mut s.run.sources[broken.0 as usize]).problem_with_help(

@@ -13,8 +13,8 @@ mod rule;
 
 pub use list::RULES;
 pub use need::Need;
-pub use rule::{Entry, Evidence, Kind};
-pub(crate) use rule::{NoLimits, OfPolicy, Review, Rule};
+pub use rule::{Entry, Kind, SampleSize};
+pub(crate) use rule::{NoLimits, PolicyRule, Review, Rule};
 
 /// The modules of the rules, a folder for each family.
 macro_rules! modules {

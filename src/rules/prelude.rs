@@ -2,7 +2,7 @@
 
 pub(crate) use serde::Deserialize;
 
-pub(crate) use super::{Evidence, Need, NoLimits, Rule, codes};
+pub(crate) use super::{Need, NoLimits, Rule, SampleSize, codes};
 pub(crate) use crate::analysis::Estimates;
 pub(crate) use crate::source::Place;
 pub(crate) use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::{Estimates, Settings};
 use crate::page::{Number, Page};
-use crate::verdict::waiver::{Applied, Misspelt};
+use crate::verdict::waiver::{CommentFault, WaiverEffect};
 use crate::verdict::{Finding, Judge, Row, RuleCode};
 use serde::de::DeserializeOwned;
 
@@ -16,7 +16,7 @@ pub(crate) trait Rule {
     /// What must be available before the rule judges; the engine answers `not-evaluated` where it is not.
     const NEEDS: &'static [Need];
     /// How much of a recording the rule needs at first.
-    const EVIDENCE: Evidence = Evidence::USUAL;
+    const SAMPLE: SampleSize = SampleSize::USUAL;
     /// The limits of the page, typed.
     type Limits: Limits;
 
@@ -35,9 +35,9 @@ pub(crate) trait Review {
 }
 
 /// A rule on what the user accepts.
-pub(crate) trait OfPolicy {
+pub(crate) trait PolicyRule {
     /// Called once for a run.
-    fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge);
+    fn judge(applied: &[WaiverEffect], misspelt: &[CommentFault], out: &mut Judge);
 }
 
 /// Typed limits.
@@ -52,14 +52,14 @@ pub(crate) struct NoLimits {}
 
 /// How a recording is sampled for a rule, before anything is known about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evidence {
+pub struct SampleSize {
     /// Windows spread over the recording.
     pub windows: u32,
     /// Length of a window, seconds of log time.
     pub seconds: f64,
 }
 
-impl Evidence {
+impl SampleSize {
     /// The least.
     pub const LEAST: Self = Self {
         windows: 2,
@@ -91,7 +91,7 @@ pub enum Kind {
     /// It judges what the others found.
     Review(fn(&Settings, &mut [Finding], &[Row], &mut Judge)),
     /// It judges what the user accepts.
-    Policy(fn(&[Applied], &[Misspelt], &mut Judge)),
+    Policy(fn(&[WaiverEffect], &[CommentFault], &mut Judge)),
 }
 
 /// A registered rule.
@@ -104,7 +104,7 @@ pub struct Entry {
     /// Its needs.
     pub needs: &'static [Need],
     /// How much of a recording it needs at first.
-    pub evidence: Evidence,
+    pub sample: SampleSize,
     /// How it is called.
     pub kind: Kind,
     /// Adds its limits to the settings of a run: those of the page, overridden by these.
@@ -118,7 +118,7 @@ impl Entry {
     pub(super) const fn world<R: Rule>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             needs: R::NEEDS,
-            evidence: R::EVIDENCE,
+            sample: R::SAMPLE,
             kind: Kind::World(judge::<R>),
             ..Self::with::<R::Limits>(code, page)
         }
@@ -143,7 +143,7 @@ impl Entry {
     }
 
     /// A rule on what the user accepts.
-    pub(super) const fn policy<R: OfPolicy>(code: RuleCode, page: &'static Page) -> Self {
+    pub(super) const fn policy<R: PolicyRule>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             kind: Kind::Policy(R::judge),
             ..Self::with::<NoLimits>(code, page)
@@ -155,7 +155,7 @@ impl Entry {
             code,
             page,
             needs: &[],
-            evidence: Evidence::USUAL,
+            sample: SampleSize::USUAL,
             kind: Kind::Policy(|_, _, _| {}),
             add_limits: |settings, page, overrides| {
                 settings.add::<L>(move || page.limits(&overrides).ok());
@@ -175,12 +175,12 @@ impl Entry {
     pub(crate) fn of_test(
         page: &'static Page,
         needs: &'static [Need],
-        evidence: Evidence,
+        sample: SampleSize,
         asked: fn(&Estimates, &mut Judge),
     ) -> &'static Self {
         Box::leak(Box::new(Self {
             needs,
-            evidence,
+            sample,
             kind: Kind::World(asked),
             ..Self::with::<NoLimits>(RuleCode::new("TEST01"), page)
         }))

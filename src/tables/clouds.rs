@@ -37,13 +37,13 @@ pub struct PointTime {
     /// Its unit, seconds.
     pub unit_s: f64,
     /// The time from which it counts.
-    pub counts_from: CountsFrom,
+    pub counts_from: TimeOrigin,
 }
 
 /// The time from which the times of points count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum CountsFrom {
+pub enum TimeOrigin {
     /// The beginning of the scan.
     ScanStart,
     /// The stamp of the header, before or after.

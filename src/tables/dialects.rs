@@ -16,7 +16,7 @@ pub struct Dialect {
     /// Keys by which a file is recognised: one of these lines must match.
     pub marks: Vec<String>,
     /// The values of its keys.
-    pub transforms: Vec<Keyed>,
+    pub transforms: Vec<KeyedTransform>,
     /// Whether the reader's source was checked, or files of one sensor were compared.
     pub verified: bool,
     /// The source.
@@ -27,7 +27,7 @@ pub struct Dialect {
 /// A transform under a key.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Keyed {
+pub struct KeyedTransform {
     /// The key, or the keys of its parts.
     pub keys: Vec<String>,
     /// `A from B`: takes points of B to points of A.
@@ -93,7 +93,7 @@ impl Row for Dialect {
         if !has_keys(&self.marks) {
             return Some(("marks", "at least one path of keys is required"));
         }
-        let is_well = |keyed: &Keyed| {
+        let is_well = |keyed: &KeyedTransform| {
             let frames = keyed.is.as_ref().is_none_or(|is| is.split_once(" from ").is_some());
             has_keys(&keyed.keys) && frames
         };

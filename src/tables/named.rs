@@ -7,13 +7,13 @@ use serde::Deserialize;
 use super::rows::{Row, Rows};
 
 /// Something that is identified by a word.
-pub(super) trait Named: Row {
+pub(super) trait KeywordRow: Row {
     /// Lower-case words that identify it.
     fn words(&self) -> &[String];
 }
 
 /// The first row that one of these words names.
-pub(super) fn named<T: Named>(rows: &Rows<T>, words: &[String]) -> Option<Arc<T>> {
+pub(super) fn named<T: KeywordRow>(rows: &Rows<T>, words: &[String]) -> Option<Arc<T>> {
     let names = |row: &&Arc<T>| words.iter().any(|word| row.words().contains(word));
     rows.iter().find(names).cloned()
 }
@@ -45,7 +45,7 @@ macro_rules! named {
             }
         }
 
-        impl Named for $row {
+        impl KeywordRow for $row {
             fn words(&self) -> &[String] {
                 &self.words
             }

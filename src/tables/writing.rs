@@ -9,7 +9,7 @@ use super::table;
 /// The form of the files of one dialect.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Writing {
+pub struct FileTemplate {
     /// The dialect's name in the table of dialects.
     pub dialect: String,
     /// The ending of its files' names.
@@ -23,13 +23,13 @@ pub struct Writing {
     #[serde(default)]
     pub first: u32,
     /// How each transform is written.
-    pub transforms: Vec<WrittenTransform>,
+    pub transforms: Vec<TransformTemplate>,
 }
 
 /// How one transform is written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct WrittenTransform {
+pub struct TransformTemplate {
     /// Its key, the first one in the table of dialects, which has its meaning, units and order.
     pub key: String,
     /// `A from B`, if the table of dialects leaves that to the file.
@@ -44,12 +44,12 @@ pub struct WrittenTransform {
 
 #[derive(Deserialize)]
 struct File {
-    rows: Vec<Writing>,
+    rows: Vec<FileTemplate>,
 }
 
 /// All known forms. Empty if the program's table cannot be read, which a test excludes.
-pub fn writings() -> &'static [Writing] {
-    static WRITINGS: LazyLock<Vec<Writing>> =
+pub fn writings() -> &'static [FileTemplate] {
+    static WRITINGS: LazyLock<Vec<FileTemplate>> =
         LazyLock::new(|| table!("calibration-writing").map_or_else(|_| Vec::new(), |file: File| file.rows));
     &WRITINGS
 }

@@ -35,7 +35,7 @@ impl std::fmt::Display for RuleCode {
 
 /// Rules and findings that explain a fault better.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Unless {
+pub enum Deference {
     /// A rule with a finding on the same subject, topic or part of a file.
     Rule(RuleCode),
     /// A rule with a finding that names this.
@@ -79,8 +79,8 @@ pub fn match_up(findings: &mut [Finding]) {
         .map(|finding| {
             let same = finding.unless.iter().flat_map(|unless| {
                 let rule = match unless {
-                    Unless::Rule(rule) | Unless::About(rule, _) => rule.as_str(),
-                    Unless::CauseOf(_) => &finding.rule,
+                    Deference::Rule(rule) | Deference::About(rule, _) => rule.as_str(),
+                    Deference::CauseOf(_) => &finding.rule,
                 };
                 let subjects = known.get(rule).into_iter().flatten();
                 subjects.filter_map(move |others| others.iter().find(|other| is_same(finding, other, unless)))
@@ -96,12 +96,12 @@ pub fn match_up(findings: &mut [Finding]) {
 }
 
 /// Whether two findings are about the same thing.
-fn is_same(finding: &Finding, other: &Finding, unless: &Unless) -> bool {
+fn is_same(finding: &Finding, other: &Finding, unless: &Deference) -> bool {
     match unless {
-        Unless::Rule(_) => {}
-        Unless::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
+        Deference::Rule(_) => {}
+        Deference::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
         // If there are several platforms, subjects begin with their names.
-        Unless::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,
+        Deference::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,
     }
     let touches = |label: &Label| finding.places.iter().any(|own| touches(&own.place, &label.place));
     finding.subject == other.subject || other.places.iter().any(touches)

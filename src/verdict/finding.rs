@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::source::{Confidence, Place};
 
 use super::Measured;
-use super::deference::{Explainer, RuleCode, Unless};
-use super::waiver::Waived;
+use super::deference::{Deference, Explainer, RuleCode};
+use super::waiver::Acceptance;
 
 /// The relation of a contradiction that no known error explains.
 pub const UNEXPLAINED: &str = "unexplained";
@@ -116,10 +116,10 @@ pub struct Finding {
     pub fix: Option<Fix>,
     /// Set if the user accepts it: it does not count, but stays in every report.
     #[serde(default)]
-    pub waived: Option<Waived>,
+    pub waived: Option<Acceptance>,
     /// Rules that explain it better if they find the same: by the subject, topic or part of a file, or by a name.
     #[serde(skip)]
-    pub unless: Vec<Unless>,
+    pub unless: Vec<Deference>,
     /// Findings that may explain it; see [`match_up`](super::deference::match_up).
     #[serde(skip)]
     pub explainers: Vec<Explainer>,
@@ -128,12 +128,12 @@ pub struct Finding {
     pub explained_by: Option<Explainer>,
     /// The transform that the rule considers right, if known: for views.
     #[serde(skip)]
-    pub prefers: Option<Preferred>,
+    pub prefers: Option<PreferredPose>,
 }
 
 /// A transform that a rule considers right.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Preferred {
+pub struct PreferredPose {
     /// The target (parent) frame.
     pub target: String,
     /// The source (child) frame.
@@ -283,28 +283,28 @@ impl Finding {
     /// A rule that explains it better, if it finds the same.
     #[must_use]
     pub fn unless(mut self, rule: RuleCode) -> Self {
-        self.unless.push(Unless::Rule(rule));
+        self.unless.push(Deference::Rule(rule));
         self
     }
 
     /// A rule that explains it better, if one of its findings names `about`.
     #[must_use]
     pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {
-        self.unless.push(Unless::About(rule, about.into()));
+        self.unless.push(Deference::About(rule, about.into()));
         self
     }
 
     /// A finding of the same rule on `subject` has the same cause and is shown for both.
     #[must_use]
     pub fn same_cause_as(mut self, subject: impl Into<String>) -> Self {
-        self.unless.push(Unless::CauseOf(subject.into()));
+        self.unless.push(Deference::CauseOf(subject.into()));
         self
     }
 
     /// The transform that the rule considers right: `target_from_source`.
     #[must_use]
     pub fn prefers(mut self, target: impl Into<String>, source: impl Into<String>, pose: Isometry3<f64>) -> Self {
-        self.prefers = Some(Preferred {
+        self.prefers = Some(PreferredPose {
             target: target.into(),
             source: source.into(),
             pose,

@@ -86,8 +86,8 @@ pub struct Waiver {
 
 impl Waiver {
     /// The note in a finding that it accepts.
-    pub fn waived(&self) -> Waived {
-        Waived {
+    pub fn waived(&self) -> Acceptance {
+        Acceptance {
             reason: self.reason.clone(),
             by: self.by.clone(),
             until: self.until.clone(),
@@ -98,7 +98,7 @@ impl Waiver {
 
 /// The effect of an acceptance in a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Applied {
+pub struct WaiverEffect {
     /// The acceptance.
     pub waiver: Waiver,
     /// Findings that it is for.
@@ -111,7 +111,7 @@ pub struct Applied {
 
 /// A comment to frames-lint that cannot be understood.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Misspelt {
+pub struct CommentFault {
     /// The comment.
     pub text: String,
     /// What is wrong with it.
@@ -122,7 +122,7 @@ pub struct Misspelt {
 
 /// The acceptance of a finding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Waived {
+pub struct Acceptance {
     /// Why.
     pub reason: String,
     /// By whom.
@@ -133,7 +133,7 @@ pub struct Waived {
     pub origin: String,
 }
 
-impl Waived {
+impl Acceptance {
     /// In one line: `remounted, by J. Doe, until 2027-01-31 (frames-lint.yaml:12)`.
     pub fn words(&self) -> String {
         let by = self.by.as_ref().map_or_else(String::new, |by| format!(", by {by}"));

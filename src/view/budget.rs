@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::scene::{Body, Item, Path, Points, Scene, What};
+use super::scene::{Body, Content, Item, Path, Points, Scene};
 
 /// Bytes of one item besides its numbers, in the viewer's files: of a constant item, and of one sample of many.
 const OF_ALWAYS: usize = 800;
@@ -12,7 +12,7 @@ const ROUNDS: usize = 24;
 
 /// What was removed from a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct Omission {
     /// One in this many samples is shown.
     pub moments: usize,
     /// One in this many points of clouds is shown.
@@ -21,7 +21,7 @@ pub struct LeftOut {
     pub meshes: usize,
 }
 
-impl LeftOut {
+impl Omission {
     /// Nothing.
     pub const NOTHING: Self = Self {
         moments: 1,
@@ -46,8 +46,8 @@ pub fn estimate(scene: &Scene) -> usize {
 }
 
 /// Thins a scene to about this many bytes. Returns what was removed.
-pub fn fit(scene: &mut Scene, max_bytes: usize) -> LeftOut {
-    let mut left_out = LeftOut::NOTHING;
+pub fn fit(scene: &mut Scene, max_bytes: usize) -> Omission {
+    let mut left_out = Omission::NOTHING;
     for _ in 0..ROUNDS {
         let size = Size::of(scene);
         let most = size.moments.max(size.points).max(size.meshes);
@@ -95,9 +95,9 @@ impl Size {
     }
 }
 
-fn mesh_bytes(what: &What) -> usize {
+fn mesh_bytes(what: &Content) -> usize {
     match what {
-        What::Body(Body::Mesh(file, _)) => usize::try_from(file.bytes).unwrap_or(usize::MAX),
+        Content::Body(Body::Mesh(file, _)) => usize::try_from(file.bytes).unwrap_or(usize::MAX),
         _ => 0,
     }
 }
@@ -119,15 +119,15 @@ fn without_large_meshes(scene: &mut Scene, max_bytes: usize) -> usize {
 }
 
 /// The points of a cloud: points with labels are not one.
-fn points_of(what: &What) -> Option<&Points> {
+fn points_of(what: &Content) -> Option<&Points> {
     match what {
-        What::Points(points) | What::Pixels(points) => Some(points).filter(|points| points.labels.is_empty()),
+        Content::Points(points) | Content::Pixels(points) => Some(points).filter(|points| points.labels.is_empty()),
         _ => None,
     }
 }
 
 /// Keeps every other point of clouds. Points with labels are never thinned.
-fn thin(what: &mut What) {
+fn thin(what: &mut Content) {
     fn half<T>(items: &mut Vec<T>) {
         let mut at = 0;
         items.retain(|_| {
@@ -135,10 +135,10 @@ fn thin(what: &mut What) {
             at % 2 == 1
         });
     }
-    if let What::Points(Points {
+    if let Content::Points(Points {
         xyz_m, colors, labels, ..
     })
-    | What::Pixels(Points {
+    | Content::Pixels(Points {
         xyz_m, colors, labels, ..
     }) = what
         && labels.is_empty()
@@ -155,7 +155,7 @@ fn thin(what: &mut What) {
 fn every_other(items: &mut Vec<Item>) {
     let mut seen: BTreeMap<Path, usize> = BTreeMap::new();
     items.retain(|item| {
-        if item.stamp_ns.is_none() || matches!(item.what, What::Log(..)) {
+        if item.stamp_ns.is_none() || matches!(item.what, Content::Log(..)) {
             return true;
         }
         let count = seen.entry(item.path.clone()).or_default();
@@ -176,27 +176,27 @@ mod tests {
         let mut scene = Scene::default();
         let cloud = Path::top("cloud");
         for stamp in 0..1000 {
-            scene.at(&Path::top("frame"), stamp, What::Pose(Isometry3::identity()));
+            scene.at(&Path::top("frame"), stamp, Content::Pose(Isometry3::identity()));
         }
         let xyz_m = vec![[0.0; 3]; 100_000];
         let colors = vec![[0; 3]; 100_000];
         scene.at(
             &cloud,
             0,
-            What::Points(Points {
+            Content::Points(Points {
                 xyz_m,
                 colors,
                 ..Points::default()
             }),
         );
-        scene.always(&Path::top("label"), What::Page("words".to_owned()));
+        scene.always(&Path::top("label"), Content::Page("words".to_owned()));
         scene
     }
 
     #[test]
     fn a_scene_that_fits_stays_as_it_is() {
         let mut fitted = scene();
-        assert_eq!(fit(&mut fitted, 10_000_000), LeftOut::NOTHING);
+        assert_eq!(fit(&mut fitted, 10_000_000), Omission::NOTHING);
         assert_eq!(fitted, scene());
     }
 
@@ -216,7 +216,7 @@ mod tests {
         for bytes in [10_000, 400_000, 20_000, 900_000] {
             let path = std::path::PathBuf::from(format!("{bytes}.stl"));
             let mesh = Body::Mesh(MeshFile { path, bytes }, [1.0; 3]);
-            fitted.always(&Path::top(format!("{bytes}")), What::Body(mesh));
+            fitted.always(&Path::top(format!("{bytes}")), Content::Body(mesh));
         }
         assert_eq!(fit(&mut fitted, 100_000).meshes, 2);
         assert!(fitted.has(&Path::top("10000")) && fitted.has(&Path::top("20000")));
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn an_absurd_budget_ends() {
         let mut fitted = scene();
-        assert_ne!(fit(&mut fitted, 1), LeftOut::NOTHING);
+        assert_ne!(fit(&mut fitted, 1), Omission::NOTHING);
         assert!(fitted.has(&Path::top("frame")), "the first moment stays");
         assert!(fitted.has(&Path::top("label")));
     }

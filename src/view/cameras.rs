@@ -7,8 +7,8 @@ use crate::world::bag::TopicEvidence;
 use crate::world::camera::CameraModel;
 use crate::world::tf2::Buffer;
 
-use super::placed::Placed;
-use super::scene::{Path, Points, Scene, What};
+use super::placed::FrameEntities;
+use super::scene::{Content, Path, Points, Scene};
 
 /// Points nearer than this to the camera are not projected, metres.
 const NEAR_M: f64 = 0.3;
@@ -16,7 +16,7 @@ const NEAR_M: f64 = 0.3;
 const FAR_M: f64 = 40.0;
 
 /// Every calibrated camera of a world, with the clouds projected into its image. Returns the cameras with such clouds.
-pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
+pub(super) fn cameras(placed: &FrameEntities, scene: &mut Scene) -> Vec<Path> {
     let mut images = Vec::new();
     let world = placed.world();
     let buffer = placed.buffer();
@@ -35,7 +35,10 @@ pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
             for calibration in calibrations.filter(|calibration| is_calibrated(calibration)).take(1) {
                 let own = path.then(format!("camera of {}", topic.topic));
                 let narrow = calibration.k.map(|value| value as f32);
-                scene.always(&own, What::Camera(narrow, calibration.size.map(|pixels| pixels as f32)));
+                scene.always(
+                    &own,
+                    Content::Camera(narrow, calibration.size.map(|pixels| pixels as f32)),
+                );
                 let mut has_points = false;
                 for cloud in bag.topics.values() {
                     has_points |= projected((cloud, frame, calibration), buffer, &own, scene);
@@ -77,7 +80,7 @@ fn projected(
             scene.at(
                 &own,
                 stamp_ns,
-                What::Pixels(Points {
+                Content::Pixels(Points {
                     xyz_m: seen.iter().map(|(_, pixel)| *pixel).collect(),
                     colors: seen.iter().map(|(depth_m, _)| by_depth(*depth_m)).collect(),
                     radius: -1.5,

@@ -8,8 +8,8 @@ use crate::source::SourceId;
 use crate::verdict::Finding;
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
-use super::placed::{OF_LABELS, Placed, axis, label_at};
-use super::scene::{Color, Lines, Path, Scene, What, narrow};
+use super::placed::{FrameEntities, OF_LABELS, axis, label_at};
+use super::scene::{Color, Content, Lines, Path, Scene, narrow};
 
 /// Smaller differences are not shown: those of TREE11's rounding.
 const SAME_DEG: f64 = 0.05;
@@ -28,8 +28,8 @@ pub(super) fn beside(
 ) {
     let Some(other) = other else { return };
     let own = parent.then(format!("{frame} by {said_by}"));
-    scene.always(&own, What::Pose(other));
-    scene.always(&own, What::Axes(size_m * 0.7));
+    scene.always(&own, Content::Pose(other));
+    scene.always(&own, Content::Axes(size_m * 0.7));
     let apart = main.map(|main| main.inverse() * other);
     let differs = apart.map(|apart| (apart.rotation.angle().to_degrees(), apart.translation.vector.norm()));
     if differs.is_some_and(|(deg, m)| deg <= SAME_DEG && m <= SAME_M) {
@@ -48,7 +48,7 @@ pub(super) fn beside(
     scene.always(
         &own.then("~ difference"),
         // In the frame of the other source itself.
-        What::Lines(Lines {
+        Content::Lines(Lines {
             strips_m: [[origin, others], [tip(&main), tip(&other)]]
                 .into_iter()
                 .map(|ends| ends.map(|end| inside(&other, end)).to_vec())
@@ -66,7 +66,12 @@ fn inside(parent_from_own: &Isometry3<f64>, in_parent: [f32; 3]) -> [f32; 3] {
 }
 
 /// Transforms of calibration files, of frames in the tree and others.
-pub(super) fn claims(placed: &mut Placed, findings: &[&Finding], (top, aside_m): (&Path, &mut f64), scene: &mut Scene) {
+pub(super) fn claims(
+    placed: &mut FrameEntities,
+    findings: &[&Finding],
+    (top, aside_m): (&Path, &mut f64),
+    scene: &mut Scene,
+) {
     let world = placed.world();
     let of_file = |claim: &&Claim| matches!(claim.kind, ClaimKind::File { .. });
     for claim in world.claims.iter().filter(of_file) {
@@ -100,7 +105,7 @@ pub(super) fn claims(placed: &mut Placed, findings: &[&Finding], (top, aside_m):
 }
 
 /// Poses of frames corrected by rules.
-pub(super) fn preferred(placed: &mut Placed, findings: &[&Finding], scene: &mut Scene) {
+pub(super) fn preferred(placed: &mut FrameEntities, findings: &[&Finding], scene: &mut Scene) {
     for finding in findings {
         let Some(prefers) = &finding.prefers else { continue };
         let Some(parent) = placed.path(&FrameId::new(prefers.target.as_str())).cloned() else {
@@ -108,8 +113,8 @@ pub(super) fn preferred(placed: &mut Placed, findings: &[&Finding], scene: &mut 
         };
         let label = format!("{} as {} corrects it", prefers.source, finding.rule);
         let own = parent.then(label.clone());
-        scene.always(&own, What::Pose(prefers.pose));
-        scene.always(&own, What::Axes(placed.size_m * 0.7));
+        scene.always(&own, Content::Pose(prefers.pose));
+        scene.always(&own, Content::Axes(placed.size_m * 0.7));
         scene.always(
             &own,
             label_at(&axis(2, placed.size_m * 0.7), label, placed.size_m, OF_PREFERRED),
@@ -120,12 +125,17 @@ pub(super) fn preferred(placed: &mut Placed, findings: &[&Finding], scene: &mut 
 }
 
 /// Frames that only headers of messages name: their poses are unknown.
-pub(super) fn of_messages(placed: &mut Placed, findings: &[&Finding], (top, aside_m): (&Path, f64), scene: &mut Scene) {
+pub(super) fn of_messages(
+    placed: &mut FrameEntities,
+    findings: &[&Finding],
+    (top, aside_m): (&Path, f64),
+    scene: &mut Scene,
+) {
     let topics = placed.world().bags.iter().flat_map(|bag| bag.topics.values());
     let named: BTreeSet<FrameId> = topics
         .flat_map(|topic| {
             topic
-                .said()
+                .contents()
                 .flat_map(|said| said.header_frames.keys())
                 .collect::<Vec<_>>()
         })

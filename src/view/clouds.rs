@@ -6,14 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::verdict::{SeenPlane, Verdict};
-use crate::world::bag::{Said, TopicEvidence};
+use crate::world::bag::{TopicContent, TopicEvidence};
 use crate::world::content::ContentEvidence;
 use crate::world::{FrameId, World};
 
 use super::claims::OF_PREFERRED;
 use super::motion;
-use super::placed::Placed;
-use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
+use super::placed::FrameEntities;
+use super::scene::{Color, Content, Lines, Path, Points, Scene, narrow};
 
 /// Half the side of the plane that is drawn, and the distance of its lines, metres.
 const PLANE_M: (i32, usize) = (20, 2);
@@ -29,22 +29,22 @@ const OF_GROUND: Color = [60, 200, 210];
 /// Stamps of the clouds that are shown, nanoseconds.
 pub(super) fn stamps_ns(world: &World) -> BTreeSet<i64> {
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
-    let said = topics.flat_map(TopicEvidence::said);
+    let said = topics.flat_map(TopicEvidence::contents);
     said.flat_map(|said| shown(said.content))
         .map(|cloud| cloud.stamp_ns)
         .collect()
 }
 
 /// A cloud, or a scan of a plane.
-struct Shown {
+struct TimedCloud {
     stamp_ns: i64,
     log_ns: i64,
     xyz_m: Vec<[f64; 3]>,
 }
 
-fn shown(content: &ContentEvidence) -> Vec<Shown> {
+fn shown(content: &ContentEvidence) -> Vec<TimedCloud> {
     let clouds = content.clouds.iter().flat_map(|clouds| &clouds.samples);
-    let clouds = clouds.map(|sample| Shown {
+    let clouds = clouds.map(|sample| TimedCloud {
         stamp_ns: sample.at.stamp_ns.unwrap_or(sample.at.log_ns),
         log_ns: sample.at.log_ns,
         xyz_m: sample.points.iter().map(|point| point.xyz).collect(),
@@ -53,7 +53,7 @@ fn shown(content: &ContentEvidence) -> Vec<Shown> {
         .lasers
         .iter()
         .flat_map(|lasers| lasers.projected.runs.iter().flatten());
-    let scans = scans.map(|scan| Shown {
+    let scans = scans.map(|scan| TimedCloud {
         stamp_ns: scan.stamp_ns.unwrap_or(scan.log_ns),
         log_ns: scan.log_ns,
         xyz_m: scan.points.clone(),
@@ -77,13 +77,13 @@ impl<'v> Grounds<'v> {
 
 /// Clouds under the frames of their headers, each with the ground found in it. Returns the entities that are hidden at first: clouds
 /// under frames corrected by rules.
-pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> Vec<Path> {
+pub(super) fn clouds(placed: &FrameEntities, grounds: &Grounds, scene: &mut Scene) -> Vec<Path> {
     let world = placed.world();
     let buffer = placed.buffer();
     let mut has_any = false;
     let mut hidden = Vec::new();
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
-    for said in topics.flat_map(TopicEvidence::said) {
+    for said in topics.flat_map(TopicEvidence::contents) {
         let Some(frame) = said.header_frames.keys().next() else {
             continue;
         };
@@ -98,7 +98,7 @@ pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> V
         let root = placed.root(&frame).cloned().unwrap_or_else(|| frame.clone());
         let topic = said.topic.topic.as_str();
         let elsewhere = elsewhere(placed, &frame, &name, scene);
-        for Shown {
+        for TimedCloud {
             stamp_ns,
             log_ns,
             xyz_m,
@@ -113,7 +113,7 @@ pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> V
             };
             has_any = true;
             let drawn = |colors: Vec<Color>| {
-                What::Points(Points {
+                Content::Points(Points {
                     xyz_m: xyz_m.iter().map(|xyz| xyz.map(|value| value as f32)).collect(),
                     colors,
                     radius: -1.5,
@@ -144,7 +144,7 @@ pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> V
 }
 
 /// Radar detections: approaching ones are red, receding ones blue.
-fn detections(said: &Said, path: &Path, scene: &mut Scene) {
+fn detections(said: &TopicContent, path: &Path, scene: &mut Scene) {
     let sweeps = said.content.radar.iter().flat_map(|radar| radar.runs.iter().flatten());
     // Points of clouds with speeds are shown with the clouds.
     for sweep in sweeps.filter(|_| said.content.clouds.is_none()) {
@@ -156,12 +156,12 @@ fn detections(said: &Said, path: &Path, scene: &mut Scene) {
             radius: -3.0,
             labels: Vec::new(),
         };
-        scene.at(path, sweep.stamp_ns.unwrap_or(sweep.log_ns), What::Points(points));
+        scene.at(path, sweep.stamp_ns.unwrap_or(sweep.log_ns), Content::Points(points));
     }
 }
 
 /// The entities of a cloud under frames corrected by rules.
-fn elsewhere(placed: &Placed, frame: &FrameId, name: &str, scene: &mut Scene) -> Vec<Path> {
+fn elsewhere(placed: &FrameEntities, frame: &FrameId, name: &str, scene: &mut Scene) -> Vec<Path> {
     let mut entities = Vec::new();
     for (moved, path) in &placed.candidates {
         let chain = placed.world().graph().chain(moved, frame, |edge| edge.is_rigid);
@@ -170,14 +170,14 @@ fn elsewhere(placed: &Placed, frame: &FrameId, name: &str, scene: &mut Scene) ->
             continue;
         }
         let own = path.then(name);
-        scene.always(&own, What::Pose(moved_from_cloud));
+        scene.always(&own, Content::Pose(moved_from_cloud));
         entities.push(own);
     }
     entities
 }
 
 /// A part of the ground under the origin of a cloud, as lines, with its distance.
-fn patch(plane: &SeenPlane) -> What {
+fn patch(plane: &SeenPlane) -> Content {
     let foot = plane.normal * plane.offset_m;
     let aside = if plane.normal.x.abs() < 0.9 {
         Vector3::x()
@@ -197,7 +197,7 @@ fn patch(plane: &SeenPlane) -> What {
     if let Some(first) = labels.first_mut() {
         *first = format!("ground, {:.2} m away", plane.offset_m.abs());
     }
-    What::Lines(Lines {
+    Content::Lines(Lines {
         strips_m,
         color: OF_GROUND,
         radius: -0.7,
@@ -228,7 +228,7 @@ fn plane(path: &Path, scene: &mut Scene) {
     });
     scene.always(
         &path.then("plane z = 0"),
-        What::Lines(Lines {
+        Content::Lines(Lines {
             strips_m: strips.collect(),
             color: OF_PLANE,
             radius: -0.5,

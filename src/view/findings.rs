@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::source::At;
+use crate::source::SourcePart;
 use crate::tables::views::{self, View};
 use crate::verdict::{Finding, Measured, Outcome, Severity};
 use crate::world::{BagEvidence, FrameId};
 
 use super::Labels;
-use super::look::{TRACK, Worst};
-use super::placed::Placed;
-use super::scene::{Color, Level, Path, Points, Scene, What};
+use super::look::{TRACK, WorstFinding};
+use super::placed::FrameEntities;
+use super::scene::{Color, Content, Level, Path, Points, Scene};
 
 /// The root of the findings.
 pub(super) const FINDINGS: &str = "findings";
@@ -27,21 +27,23 @@ pub(super) fn view_of(run: &Run, finding: &Finding) -> Option<&'static View> {
 }
 
 /// Shows every finding.
-pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mut Scene) -> Worst {
+pub(super) fn findings(run: &Run, placed: &[FrameEntities], labels: &Labels, scene: &mut Scene) -> WorstFinding {
     let top = Path::top(FINDINGS);
     let mut page = summary(run);
     let mut marked: BTreeMap<Path, u8> = BTreeMap::new();
-    let mut worst = Worst {
+    let mut worst = WorstFinding {
         at_ns: None,
         frame: None,
         is_of_a_track: false,
     };
     for (number, finding) in run.verdict.findings.iter().take(MAX_FINDINGS).enumerate() {
         let (level, color) = loudness(finding);
-        let told = told(number, finding);
+        let text = finding_text(number, finding);
         let words = line(finding);
         let stamp_ns = finding.places.iter().find_map(|label| match &label.place.at {
-            At::Message(message) => Some(message.stamp_ns.filter(|stamp| *stamp != 0).unwrap_or(message.log_ns)),
+            SourcePart::Message(message) => {
+                Some(message.stamp_ns.filter(|stamp| *stamp != 0).unwrap_or(message.log_ns))
+            }
             _ => None,
         });
         let number_of_world = labels.number(&finding.subject);
@@ -49,14 +51,14 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
         let size_m = own.first().map_or(1.0, |placed| placed.size_m);
         let frame = frame_of(finding, run, own);
         if number == 0 {
-            worst = Worst {
+            worst = WorstFinding {
                 at_ns: stamp_ns,
                 frame: frame.clone(),
                 is_of_a_track: view_of(run, finding).is_some_and(|view| view.named == TRACK),
             };
         }
         let path = top.then("log").then(format!("{} {}", number + 1, finding.rule));
-        let line = What::Log(level, words);
+        let line = Content::Log(level, words);
         match stamp_ns {
             Some(stamp_ns) => scene.at(&path, stamp_ns, line),
             None => scene.always(&path, line),
@@ -65,10 +67,10 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
             let nth = marked.entry(at.clone()).or_default();
             *nth = nth.saturating_add(1);
             let mark = at.then(format!("finding {}", number + 1));
-            scene.always(&mark, What::Page(told.clone()));
+            scene.always(&mark, Content::Page(text.clone()));
             scene.always(
                 &mark,
-                What::Points(Points {
+                Content::Points(Points {
                     // The labels are below the frame, one below the other.
                     xyz_m: vec![[0.0; 3], [0.0, 0.0, -0.5 * f32::from(*nth) * size_m]],
                     colors: vec![color],
@@ -77,13 +79,13 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
                 }),
             );
         }
-        page.push_str(&told);
+        page.push_str(&text);
     }
     let more = run.verdict.findings.len().saturating_sub(MAX_FINDINGS);
     if more > 0 {
         let _ = writeln!(page, "\n... and {more} more findings");
     }
-    scene.always(&top.then("page"), What::Page(page));
+    scene.always(&top.then("page"), Content::Page(page));
     worst
 }
 
@@ -128,7 +130,7 @@ fn number_of(measured: &Measured) -> String {
 }
 
 /// A finding as a part of a page.
-fn told(number: usize, finding: &Finding) -> String {
+fn finding_text(number: usize, finding: &Finding) -> String {
     let mut page = String::new();
     let _ = writeln!(page, "### {}. {} {}\n", number + 1, finding.rule, finding.name);
     let _ = writeln!(
@@ -162,7 +164,7 @@ fn loudness(finding: &Finding) -> (Level, Color) {
 
 /// The frame of a finding: the one that a rule corrects, else the last one named between backticks that is in a tree, else that of the
 /// messages that it points at.
-fn frame_of(finding: &Finding, run: &Run, placed: &[Placed]) -> Option<Path> {
+fn frame_of(finding: &Finding, run: &Run, placed: &[FrameEntities]) -> Option<Path> {
     let path = |frame: FrameId| placed.iter().find_map(|placed| placed.path(&frame));
     let moved = finding.prefers.iter().map(|prefers| prefers.source.clone());
     let is_topic = |word: &String| {
@@ -181,9 +183,9 @@ fn frame_of(finding: &Finding, run: &Run, placed: &[Placed]) -> Option<Path> {
         .cloned()
 }
 
-fn frame_of_messages<'p>(finding: &Finding, run: &Run, placed: &'p [Placed]) -> Option<&'p Path> {
+fn frame_of_messages<'p>(finding: &Finding, run: &Run, placed: &'p [FrameEntities]) -> Option<&'p Path> {
     finding.places.iter().find_map(|label| {
-        let At::Message(message) = &label.place.at else {
+        let SourcePart::Message(message) = &label.place.at else {
             return None;
         };
         let path = run.sources.get(label.place.source.0 as usize)?.path.as_str();

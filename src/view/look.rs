@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::scene::{Eye, Path, Places, Scene, View, What, narrow};
+use super::scene::{Content, Eye, Path, Places, Scene, View, narrow};
 
 /// Place and time of the worst finding, if known.
-pub(super) struct Worst {
+pub(super) struct WorstFinding {
     pub(super) at_ns: Option<i64>,
     pub(super) frame: Option<Path>,
     /// Whether it concerns a track, not the pose of one frame.
@@ -15,7 +15,7 @@ pub(super) struct Worst {
 }
 
 /// The initial cameras of the spaces: that of the worst finding first, looking at its frame; of others, at their content.
-pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Scene) {
+pub(super) fn look(worst: &WorstFinding, tops: &[Path], spaces: &mut [View], scene: &Scene) {
     let places = Places::of(scene, worst.at_ns);
     // Either there is one space, or each has a name below the common root.
     let named: BTreeMap<&str, usize> = tops
@@ -28,7 +28,7 @@ pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Sc
         let name = path.names().get(1).map(String::as_str)?;
         named.get(name).copied().or(only)
     };
-    let with_axes = scene.items.iter().filter(|item| matches!(item.what, What::Axes(_)));
+    let with_axes = scene.items.iter().filter(|item| matches!(item.what, Content::Axes(_)));
     let mut stands: Vec<Vec<Vector3<f64>>> = tops.iter().map(|_| Vec::new()).collect();
     for item in with_axes {
         if let Some(stands) = of(&item.path).and_then(|number| stands.get_mut(number)) {
@@ -37,7 +37,7 @@ pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Sc
     }
     if worst.is_of_a_track {
         let tracks = scene.items.iter().filter_map(|item| match &item.what {
-            What::Lines(lines) if is_track(&item.path) => Some((&item.path, lines)),
+            Content::Lines(lines) if is_track(&item.path) => Some((&item.path, lines)),
             _ => None,
         });
         for (path, lines) in tracks {

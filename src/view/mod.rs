@@ -24,10 +24,10 @@ use crate::run::Run;
 use crate::verdict::Finding;
 use crate::world::World;
 
-use plots::Drawn;
+use plots::PlotPlace;
 use scene::{Kind, Path, Scene, View, WORLD};
 
-pub use budget::{LeftOut, estimate, fit};
+pub use budget::{Omission, estimate, fit};
 
 /// The names of platforms with which subjects begin, if there are several.
 struct Labels<'r>(BTreeMap<&'r str, usize>);
@@ -105,7 +105,7 @@ pub fn scene(run: &Run) -> Scene {
 }
 
 /// The views: space, the plots (those of the worst finding first), time series, the findings.
-fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: &[Drawn]) -> Vec<View> {
+fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: &[PlotPlace]) -> Vec<View> {
     let flat = |name: String, kind: Kind, origin: Path| View {
         name,
         kind,

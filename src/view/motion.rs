@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 
 use crate::math::geodesy::Geodetic;
-use crate::world::bag::{BagEvidence, Said, TfEdge, TfSample};
+use crate::world::bag::{BagEvidence, TfEdge, TfSample, TopicContent};
 use crate::world::motion::{FixRow, PoseRow, Series};
 use crate::world::{Pose, World};
 
-use super::placed::Placed;
-use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
+use super::placed::FrameEntities;
+use super::scene::{Color, Content, Lines, Path, Points, Scene, narrow};
 
 /// Maximum number of points of a track, and of a curve.
 const MAX_POINTS: usize = 3000;
@@ -35,13 +35,13 @@ const OF_STREAMS: [Color; 8] = [
 pub(super) const TIME: &str = "time";
 
 /// Draws every stream of a recording.
-pub(super) fn streams(bag: &BagEvidence, placed: &Placed, (top, prefix): (&Path, &str), scene: &mut Scene) {
+pub(super) fn streams(bag: &BagEvidence, placed: &FrameEntities, (top, prefix): (&Path, &str), scene: &mut Scene) {
     let mut colors = OF_STREAMS.into_iter().cycle();
     let mut color = || colors.next().unwrap_or(OF_STAMPS);
     for topic in bag.topics.values() {
         let samples = &topic.stamps.samples;
         stamps(&format!("{prefix}{}", topic.topic), samples, color(), scene);
-        for said in topic.said() {
+        for said in topic.contents() {
             inertial(&said, prefix, scene);
             orientations(&said, prefix, scene);
             positions(&said, prefix, scene);
@@ -76,7 +76,7 @@ fn correction(edge: &TfEdge, prefix: &str, scene: &mut Scene) {
 }
 
 /// The topic, and the member of its messages.
-pub(super) fn name(said: &Said) -> String {
+pub(super) fn name(said: &TopicContent) -> String {
     match said.field {
         None => said.topic.topic.clone(),
         Some(field) => format!("{} {field}", said.topic.topic),
@@ -89,14 +89,14 @@ fn stamps(name: &str, samples: &[(i64, i64)], color: Color, scene: &mut Scene) {
         return;
     }
     let path = Path::top(TIME).then("stamp minus log").then(name);
-    scene.always(&path, What::Curve(name.to_owned(), color, false));
+    scene.always(&path, Content::Curve(name.to_owned(), color, false));
     for (stamp_ns, log_ns) in every(samples) {
         let ahead_s = stamp_ns.saturating_sub(*log_ns) as f64 / 1e9;
-        scene.at(&path, moment(*stamp_ns, *log_ns), What::Number(ahead_s));
+        scene.at(&path, moment(*stamp_ns, *log_ns), Content::Number(ahead_s));
     }
 }
 
-fn inertial(said: &Said, prefix: &str, scene: &mut Scene) {
+fn inertial(said: &TopicContent, prefix: &str, scene: &mut Scene) {
     let Some(series) = &said.content.motion.inertial else {
         return;
     };
@@ -127,23 +127,23 @@ fn curve(path: &Path, (name, color): (&str, Color), values: impl Iterator<Item =
     let mut has_any = false;
     for (at_ns, value) in values.filter(|(_, value)| value.is_finite()) {
         has_any = true;
-        scene.at(path, at_ns, What::Number(value));
+        scene.at(path, at_ns, Content::Number(value));
     }
     if has_any {
-        scene.always(path, What::Curve(name.to_owned(), color, true));
+        scene.always(path, Content::Curve(name.to_owned(), color, true));
     }
 }
 
 /// Roll, pitch and yaw as published, without conversion between frames.
-fn orientations(said: &Said, prefix: &str, scene: &mut Scene) {
+fn orientations(said: &TopicContent, prefix: &str, scene: &mut Scene) {
     let motion = &said.content.motion;
     let inertial = motion.inertial.iter().flat_map(Series::rows);
     let poses = motion.poses.iter().flat_map(Series::rows);
-    let told = motion.orientations.iter().flat_map(Series::rows);
+    let published = motion.orientations.iter().flat_map(Series::rows);
     let rows: Vec<(i64, [f64; 4])> = inertial
         .map(|row| (moment(row.stamp_ns, row.log_ns), row.orientation))
         .chain(poses.map(|row| (moment(row.stamp_ns, row.log_ns), row.orientation)))
-        .chain(told.map(|row| (moment(row.stamp_ns, row.log_ns), row.orientation)))
+        .chain(published.map(|row| (moment(row.stamp_ns, row.log_ns), row.orientation)))
         .collect();
     let path = Path::top(TIME)
         .then("orientation")
@@ -163,7 +163,7 @@ fn orientations(said: &Said, prefix: &str, scene: &mut Scene) {
 }
 
 /// Latitude, longitude and altitude as published, even if they are not a position on the Earth.
-fn positions(said: &Said, prefix: &str, scene: &mut Scene) {
+fn positions(said: &TopicContent, prefix: &str, scene: &mut Scene) {
     let Some(series) = &said.content.motion.fixes else {
         return;
     };
@@ -172,15 +172,15 @@ fn positions(said: &Said, prefix: &str, scene: &mut Scene) {
     let names = ["latitude, deg", "longitude, deg", "altitude, m"];
     for (number, (what, color)) in names.into_iter().zip(OF_AXES).enumerate() {
         let values = every(&rows).filter_map(|row| {
-            let told = [row.latitude_deg, row.longitude_deg, row.altitude_m];
-            Some((moment(row.stamp_ns, row.log_ns), *told.get(number)?))
+            let coordinates = [row.latitude_deg, row.longitude_deg, row.altitude_m];
+            Some((moment(row.stamp_ns, row.log_ns), *coordinates.get(number)?))
         });
         curve(&path.then(what), (what, color), values, scene);
     }
 }
 
 /// The track of a pose in the frame that it is expressed in.
-fn poses(said: &Said, placed: &Placed, scene: &mut Scene) {
+fn poses(said: &TopicContent, placed: &FrameEntities, scene: &mut Scene) {
     let (Some(series), Some(frame)) = (&said.content.motion.poses, said.header_frames.keys().next()) else {
         return;
     };
@@ -202,7 +202,7 @@ fn poses(said: &Said, placed: &Placed, scene: &mut Scene) {
 }
 
 /// The GNSS track, east, north and up of the first fix.
-fn fixes(said: &Said, top: &Path, scene: &mut Scene) {
+fn fixes(said: &TopicContent, top: &Path, scene: &mut Scene) {
     let Some(series) = &said.content.motion.fixes else {
         return;
     };
@@ -249,7 +249,7 @@ pub(super) fn origins(world: &World, top: &Path, scene: &mut Scene) {
             radius: -6.0,
             labels,
         };
-        scene.always(&path, What::Points(points));
+        scene.always(&path, Content::Points(points));
     }
 }
 
@@ -258,7 +258,7 @@ fn track(path: &Path, strips_m: Vec<Vec<[f32; 3]>>, color: Color, scene: &mut Sc
     if !strips_m.is_empty() {
         scene.always(
             path,
-            What::Lines(Lines {
+            Content::Lines(Lines {
                 strips_m,
                 color,
                 radius: -1.5,

@@ -9,13 +9,13 @@ use crate::verdict::Finding;
 use crate::world::tf2::{self, Buffer};
 use crate::world::{FrameId, World};
 
-use super::scene::{Color, Path, Points, Scene, What, narrow};
+use super::scene::{Color, Content, Path, Points, Scene, narrow};
 use super::upright::upright;
 
 pub(super) const OF_LABELS: Color = [200, 200, 200];
 
 /// The entities of the frames of a world.
-pub(super) struct Placed<'w> {
+pub(super) struct FrameEntities<'w> {
     world: &'w World,
     /// The transforms of the first namespace, as in tf2.
     buffer: Rc<Buffer>,
@@ -32,7 +32,7 @@ pub(super) struct Placed<'w> {
     pub(super) candidates: Vec<(FrameId, Path)>,
 }
 
-impl<'w> Placed<'w> {
+impl<'w> FrameEntities<'w> {
     /// Nothing yet.
     pub(super) fn of(world: &'w World) -> Self {
         let namespace = world.bags.iter().flat_map(tf2::namespaces).min();
@@ -65,7 +65,7 @@ impl<'w> Placed<'w> {
     ) -> Option<String> {
         let upright = upright(self.world, root, findings);
         let aside = Translation3::new(0.0, aside_m, 0.0);
-        scene.always(path, What::Pose(Isometry3::from_parts(aside, upright.turn)));
+        scene.always(path, Content::Pose(Isometry3::from_parts(aside, upright.turn)));
         self.turn_of.insert(root.clone(), upright.turn);
         upright.why
     }
@@ -80,7 +80,7 @@ impl<'w> Placed<'w> {
         scene: &mut Scene,
     ) {
         let turned = self.turn(frame, (path, aside_m), findings, scene);
-        scene.always(path, What::Axes(self.size_m));
+        scene.always(path, Content::Axes(self.size_m));
         let why: Vec<&str> = [Some(why), turned.as_deref()].into_iter().flatten().collect();
         let label = format!("{frame} ({})", why.join("; "));
         scene.always(path, label_at(&Vector3::zeros(), label, self.size_m, OF_LABELS));
@@ -138,8 +138,8 @@ pub(super) fn axis(turn: usize, size_m: f32) -> Vector3<f64> {
 }
 
 /// A label at a place.
-pub(super) fn label_at(at: &Vector3<f64>, label: String, size_m: f32, color: Color) -> What {
-    What::Points(Points {
+pub(super) fn label_at(at: &Vector3<f64>, label: String, size_m: f32, color: Color) -> Content {
+    Content::Points(Points {
         xyz_m: vec![narrow(at)],
         colors: vec![color],
         radius: size_m / 20.0,

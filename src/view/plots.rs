@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::verdict::plot::{Axis, Kind, Plot, Series};
 use crate::verdict::{Row, Verdict};
 
-use super::scene::{Color, Drawing, Lines, Path, Scene, What};
+use super::scene::{Color, Content, Drawing, Lines, Path, Scene};
 
 /// The root of the plots, by rule.
 pub(super) const PLOTS: &str = "plots";
@@ -24,7 +24,7 @@ const OF_AXES: Color = [150, 150, 150];
 const SIZE: [f64; 2] = [160.0, 90.0];
 
 /// The place of a plot.
-pub(super) struct Drawn {
+pub(super) struct PlotPlace {
     pub(super) path: Path,
     /// The range of the plane that it covers; `None` if it is shown over time.
     pub(super) bounds: Option<Bounds>,
@@ -38,7 +38,7 @@ pub(super) fn plots<'t>(
     verdict: &Verdict,
     at: &dyn Fn(&str) -> Option<(i64, &'t Path)>,
     scene: &mut Scene,
-) -> Vec<Drawn> {
+) -> Vec<PlotPlace> {
     let mut drawn = Vec::new();
     for row in verdict.rows.iter().filter(|row| !row.plots.is_empty()) {
         let Some((start_ns, top)) = at(&row.subject) else {
@@ -57,7 +57,7 @@ pub(super) fn plots<'t>(
                 in_space(plot, top, scene);
             }
             if is_over_time || bounds.is_some() {
-                drawn.push(Drawn { path, bounds });
+                drawn.push(PlotPlace { path, bounds });
             }
         }
     }
@@ -87,18 +87,18 @@ fn over_time(plot: &Plot, path: &Path, start_ns: i64, scene: &mut Scene) {
     for (number, (series, color)) in colored(plot).enumerate() {
         let own = path.then(format!("{number} {}", series.name));
         let name = format!("{} ({}, {})", series.name, plot.y.label, plot.y.unit);
-        scene.always(&own, What::Curve(name, color, series.kind == Kind::Line));
+        scene.always(&own, Content::Curve(name, color, series.kind == Kind::Line));
         for [x, y] in &series.points {
-            scene.at(&own, moment(*x), What::Number(*y));
+            scene.at(&own, moment(*x), Content::Number(*y));
         }
     }
     let points = || plot.series.iter().flat_map(|series| &series.points);
     let (first, last) = points().fold((f64::MAX, f64::MIN), |(a, b), [x, _]| (a.min(*x), b.max(*x)));
     for limit in plot.limits.iter().filter(|_| first <= last) {
         let own = path.then(format!("limit: {}", limit.label));
-        scene.always(&own, What::Curve(limit.label.clone(), OF_LIMITS, true));
-        scene.at(&own, moment(first), What::Number(limit.at));
-        scene.at(&own, moment(last), What::Number(limit.at));
+        scene.always(&own, Content::Curve(limit.label.clone(), OF_LIMITS, true));
+        scene.at(&own, moment(first), Content::Number(limit.at));
+        scene.at(&own, moment(last), Content::Number(limit.at));
     }
 }
 
@@ -118,7 +118,7 @@ fn in_space(plot: &Plot, top: &Path, scene: &mut Scene) {
                 Vec::new()
             },
         };
-        scene.always(&path.then(format!("{number} {}", series.name)), What::Lines(lines));
+        scene.always(&path.then(format!("{number} {}", series.name)), Content::Lines(lines));
     }
 }
 
@@ -147,7 +147,7 @@ fn in_plane(plot: &Plot, path: &Path, scene: &mut Scene) -> Option<Bounds> {
     let (sx, sy) = (scale(left, right, SIZE[0]), scale(bottom, top, SIZE[1]));
     let place = |[x, y]: [f64; 2]| [((x - left) * sx) as f32, ((y - bottom) * sy) as f32];
     let drawing = |strip: Vec<[f32; 2]>, is_line: bool, color: Color| {
-        What::Drawing(Drawing {
+        Content::Drawing(Drawing {
             strips: vec![strip],
             is_line,
             color,
@@ -182,11 +182,11 @@ fn in_plane(plot: &Plot, path: &Path, scene: &mut Scene) -> Option<Bounds> {
     legend.push(words("x axis", &plot.x, left, right));
     legend.push(words("y axis", &plot.y, bottom, top));
     legend.dedup();
-    Some(told(&legend, place([right, top]), path, scene))
+    Some(draw_legend(&legend, place([right, top]), path, scene))
 }
 
 /// The legend, in lines above a plot of this size. Returns the range of the plane that both cover.
-fn told(legend: &[(String, Color)], [width, height]: [f32; 2], path: &Path, scene: &mut Scene) -> Bounds {
+fn draw_legend(legend: &[(String, Color)], [width, height]: [f32; 2], path: &Path, scene: &mut Scene) -> Bounds {
     let (width, height) = (width.max(1e-6), height.max(width / 4.0));
     let line = height.max(width / 2.0) * LINE;
     let mut y = height;
@@ -198,7 +198,7 @@ fn told(legend: &[(String, Color)], [width, height]: [f32; 2], path: &Path, scen
             color: *color,
             label: name.clone(),
         };
-        scene.always(&path.then("legend").then(format!("{number}")), What::Drawing(at));
+        scene.always(&path.then("legend").then(format!("{number}")), Content::Drawing(at));
     }
     [[-0.1 * width, 1.1 * width], [-y - 0.5 * line, 0.1 * height]]
 }

@@ -6,14 +6,14 @@ use crate::source::MeshFile;
 use crate::world::FrameId;
 use crate::world::robot::Shape;
 
-use super::placed::Placed;
-use super::scene::{Body, Path, Scene, What};
+use super::placed::FrameEntities;
+use super::scene::{Body, Content, Path, Scene};
 
 /// Extensions of the meshes that the viewer reads.
 const READABLE: [&str; 5] = ["glb", "gltf", "obj", "stl", "dae"];
 
 /// Draws the robots of a world; a link without a drawable body is shown by its frame.
-pub(super) fn robots(placed: &Placed, scene: &mut Scene) {
+pub(super) fn robots(placed: &FrameEntities, scene: &mut Scene) {
     for robot in &placed.world().robots {
         let source = placed.world().source(robot.source);
         let file = |name: &str| source?.meshes.get(name).cloned();
@@ -24,8 +24,8 @@ pub(super) fn robots(placed: &Placed, scene: &mut Scene) {
             for (number, visual) in link.visuals.iter().enumerate() {
                 if let Some(body) = body(&visual.shape, &file) {
                     let own: Path = path.then(format!("body {}", number + 1));
-                    scene.always(&own, What::Pose(visual.pose.isometry()));
-                    scene.always(&own, What::Body(body));
+                    scene.always(&own, Content::Pose(visual.pose.isometry()));
+                    scene.always(&own, Content::Body(body));
                 }
             }
         }

@@ -89,7 +89,7 @@ pub enum Body {
 
 /// The content of an entity.
 #[derive(Clone, Debug, PartialEq)]
-pub enum What {
+pub enum Content {
     /// The pose of its frame in that of the parent entity: `parent_from_child`.
     Pose(Isometry3<f64>),
     /// The axes of its frame, metres long: x red, y green, z blue.
@@ -148,7 +148,7 @@ pub struct Item {
     /// The timestamp from which it is valid, nanoseconds; `None`: always.
     pub stamp_ns: Option<i64>,
     /// What it is.
-    pub what: What,
+    pub what: Content,
 }
 
 /// How a view shows entities.
@@ -205,7 +205,7 @@ pub struct Scene {
 
 impl Scene {
     /// Adds an item that is always valid.
-    pub fn always(&mut self, path: &Path, what: What) {
+    pub fn always(&mut self, path: &Path, what: Content) {
         self.items.push(Item {
             path: path.clone(),
             stamp_ns: None,
@@ -214,7 +214,7 @@ impl Scene {
     }
 
     /// Adds an item that is valid from a timestamp on.
-    pub fn at(&mut self, path: &Path, stamp_ns: i64, what: What) {
+    pub fn at(&mut self, path: &Path, stamp_ns: i64, what: Content) {
         self.items.push(Item {
             path: path.clone(),
             stamp_ns: Some(stamp_ns),
@@ -238,7 +238,7 @@ impl<'s> Places<'s> {
     pub fn of(scene: &'s Scene, at_ns: Option<i64>) -> Self {
         let mut own: BTreeMap<&Path, &Isometry3<f64>> = BTreeMap::new();
         for item in &scene.items {
-            let What::Pose(pose) = &item.what else { continue };
+            let Content::Pose(pose) = &item.what else { continue };
             let is_past = match (item.stamp_ns, at_ns) {
                 (None, _) => true,
                 (Some(stamp_ns), Some(at_ns)) => stamp_ns <= at_ns,

@@ -12,8 +12,8 @@ use crate::world::tf2::Buffer;
 use crate::world::{FrameId, World};
 
 use super::claims::{beside, claims, name, of_messages, preferred};
-use super::placed::{OF_LABELS, Placed, axis, label_at};
-use super::scene::{Color, Lines, Path, Scene, What, narrow};
+use super::placed::{FrameEntities, OF_LABELS, axis, label_at};
+use super::scene::{Color, Content, Lines, Path, Scene, narrow};
 
 /// Maximum number of shown samples of a moving edge.
 const MAX_STEPS: usize = 3000;
@@ -29,11 +29,11 @@ pub(super) fn frames<'w>(
     findings: &[&Finding],
     (top, events_ns): (&Path, &BTreeSet<i64>),
     scene: &mut Scene,
-) -> Placed<'w> {
+) -> FrameEntities<'w> {
     let graph = world.graph();
     let mut components = graph.components();
     components.sort_by_key(|component| std::cmp::Reverse(component.members.len()));
-    let mut placed = Placed::of(world);
+    let mut placed = FrameEntities::of(world);
     let buffer = Rc::clone(placed.buffer());
     let mut aside_m = 0.0;
     for (number, component) in components.iter().enumerate() {
@@ -71,7 +71,7 @@ pub(super) fn frames<'w>(
                 let path = top.then(member.as_str());
                 drawing
                     .scene
-                    .always(&path, What::Pose(Isometry3::translation(0.0, aside_m, 0.0)));
+                    .always(&path, Content::Pose(Isometry3::translation(0.0, aside_m, 0.0)));
                 drawing.frame(member, &path, None, "not connected to a root");
                 drawing.children(member, &path);
             }
@@ -85,7 +85,7 @@ pub(super) fn frames<'w>(
 }
 
 struct Drawing<'a, 'w> {
-    placed: &'a mut Placed<'w>,
+    placed: &'a mut FrameEntities<'w>,
     buffer: &'a Buffer,
     events_ns: &'a BTreeSet<i64>,
     root: FrameId,
@@ -103,9 +103,9 @@ impl Drawing<'_, '_> {
         let said_by = edge.and_then(|edge| edge.source(self.placed.world()));
         // The source is shown only if it differs from that of the parent frame.
         let above = edge.and_then(|edge| self.said_by.get(&edge.parent).copied());
-        let is_told = said_by.is_some() && said_by != above && self.placed.world().members.len() > 1;
+        let is_named = said_by.is_some() && said_by != above && self.placed.world().members.len() > 1;
         self.said_by.extend(said_by.map(|id| (frame.clone(), id)));
-        let said_by = said_by.filter(|_| is_told).map(|id| name(self.placed.world(), id));
+        let said_by = said_by.filter(|_| is_named).map(|id| name(self.placed.world(), id));
         let declared = self.placed.world().conventions.of(&crate::world::conventions::Subject {
             file: "",
             topic: None,
@@ -124,7 +124,7 @@ impl Drawing<'_, '_> {
             format!("{frame} ({})", parts.join("; "))
         };
         let size_m = self.placed.size_m;
-        self.scene.always(path, What::Axes(size_m));
+        self.scene.always(path, Content::Axes(size_m));
         // Names of frames at one place are shown at the ends of different axes.
         let is_at_parent = |pose: Isometry3<f64>| pose.translation.vector.norm() < f64::from(size_m) / 2.0;
         let at = edge.and_then(|edge| edge.pose).filter(|pose| is_at_parent(*pose));
@@ -183,11 +183,11 @@ impl Drawing<'_, '_> {
             } else {
                 pose
             };
-            self.scene.always(path, What::Pose(pose));
+            self.scene.always(path, Content::Pose(pose));
             let back = pose.inverse();
             self.scene.always(
                 path,
-                What::Lines(Lines {
+                Content::Lines(Lines {
                     strips_m: vec![vec![[0.0; 3], narrow(&back.translation.vector)]],
                     color: OF_LINKS,
                     radius: -1.0,
@@ -198,7 +198,7 @@ impl Drawing<'_, '_> {
         }
         let EdgeOrigin::Tf(bag, index) = edge.origin else {
             self.scene
-                .always(path, What::Pose(edge.pose.unwrap_or_else(Isometry3::identity)));
+                .always(path, Content::Pose(edge.pose.unwrap_or_else(Isometry3::identity)));
             return;
         };
         let published = self.placed.world().bags.get(bag).and_then(|bag| bag.tf.get(index));
@@ -215,7 +215,7 @@ impl Drawing<'_, '_> {
             }
         }
         for (stamp_ns, pose) in poses {
-            self.scene.at(path, stamp_ns, What::Pose(pose));
+            self.scene.at(path, stamp_ns, Content::Pose(pose));
         }
     }
 }

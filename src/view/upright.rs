@@ -8,7 +8,7 @@ use crate::world::conventions::{BodyAxes, Subject, WorldAxes};
 use crate::world::{FrameId, World};
 
 /// A rotation with the reason for it.
-pub(super) struct Upright {
+pub(super) struct UprightTurn {
     /// `seen_from_root`; the frame `seen` has z up.
     pub(super) turn: UnitQuaternion<f64>,
     /// The reason, for the root's label; `None` without a rotation.
@@ -16,8 +16,8 @@ pub(super) struct Upright {
 }
 
 /// By the declaration for the root, else by its name, else by findings.
-pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> Upright {
-    let turned = |turn: AxisTurn, why: &str| Upright {
+pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> UprightTurn {
+    let turned = |turn: AxisTurn, why: &str| UprightTurn {
         turn: turn.quaternion(),
         why: Some(why.to_owned()),
     };
@@ -53,8 +53,8 @@ pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> U
     measured.next().map_or_else(none, |(turn, why)| turned(turn, &why))
 }
 
-fn none() -> Upright {
-    Upright {
+fn none() -> UprightTurn {
+    UprightTurn {
         turn: UnitQuaternion::identity(),
         why: None,
     }

@@ -130,7 +130,7 @@ pub struct MemberEvidence {
 
 /// The content of a topic's messages beyond their header: of the messages themselves, or of a member.
 #[derive(Clone, Copy, Debug)]
-pub struct Said<'e> {
+pub struct TopicContent<'e> {
     /// The topic.
     pub topic: &'e TopicEvidence,
     /// The member's field.
@@ -147,7 +147,7 @@ pub struct Said<'e> {
     pub content: &'e ContentEvidence,
 }
 
-impl Said<'_> {
+impl TopicContent<'_> {
     /// Its name in reports: ``topic `/imu` ``, ``topic `/imu` (field `imu`)``.
     pub fn subject(&self) -> String {
         match self.field {
@@ -172,8 +172,8 @@ impl TopicEvidence {
     }
 
     /// The content of its messages themselves, and of every member of them.
-    pub fn said(&self) -> impl Iterator<Item = Said<'_>> {
-        let whole = Said {
+    pub fn contents(&self) -> impl Iterator<Item = TopicContent<'_>> {
+        let whole = TopicContent {
             topic: self,
             field: None,
             guessed: false,
@@ -182,7 +182,7 @@ impl TopicEvidence {
             first: self.stamps.first.as_ref(),
             content: &self.content,
         };
-        let members = self.members.iter().map(|(field, member)| Said {
+        let members = self.members.iter().map(|(field, member)| TopicContent {
             topic: self,
             field: Some(field),
             guessed: member.guessed,

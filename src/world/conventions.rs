@@ -163,7 +163,7 @@ pub struct Declaration {
 
 /// What applies to one subject, and the last declaration of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Declared {
+pub struct AppliedConvention {
     /// What was declared.
     pub convention: Convention,
     /// Where, in words.
@@ -258,10 +258,10 @@ impl Conventions {
     }
 
     /// What is declared for a subject; `None` if nothing is.
-    pub fn of(&self, subject: &Subject<'_>) -> Option<Declared> {
-        let mut known: Option<Declared> = None;
+    pub fn of(&self, subject: &Subject<'_>) -> Option<AppliedConvention> {
+        let mut known: Option<AppliedConvention> = None;
         for declaration in self.declarations.iter().filter(|one| one.scope.holds(subject)) {
-            let known = known.get_or_insert_with(|| Declared {
+            let known = known.get_or_insert_with(|| AppliedConvention {
                 convention: Convention::default(),
                 origin: String::new(),
                 place: None,

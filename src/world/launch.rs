@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{Place, Placed};
+use crate::source::{Place, SourceValue};
 
 /// The program with which launch files and scripts publish static transforms; the dialect of its claims.
 pub const PROGRAM: &str = "static_transform_publisher";
@@ -24,7 +24,7 @@ pub enum ArgumentForm {
 /// Why the transform of a call is not known.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Unread {
+pub enum ReadObstacle {
     /// An argument that is known only at run time.
     Open(String),
     /// The transform is on the parameter server, under this name.
@@ -51,7 +51,7 @@ pub struct StaticPublisher {
     /// The arguments.
     pub place: Place,
     /// Why the transform is not known, if it is not.
-    pub unread: Option<Unread>,
+    pub unread: Option<ReadObstacle>,
 }
 
 /// The settings of one node of `robot_localization`.
@@ -60,7 +60,7 @@ pub struct LocalizationSettings {
     /// The name of the node in its file.
     pub node: String,
     /// Its settings as written; the items of a list separated by spaces.
-    pub values: BTreeMap<String, Placed<String>>,
+    pub values: BTreeMap<String, SourceValue<String>>,
 }
 
 impl LocalizationSettings {
@@ -71,7 +71,7 @@ impl LocalizationSettings {
     }
 
     /// A setting that is a text.
-    pub fn text(&self, key: &str) -> Option<&Placed<String>> {
+    pub fn text(&self, key: &str) -> Option<&SourceValue<String>> {
         self.values.get(key).filter(|value| !value.value.is_empty())
     }
 }

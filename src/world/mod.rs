@@ -33,7 +33,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{At, Confidence, Place, Placed, Source, SourceId};
+use crate::source::{Confidence, Place, Source, SourceId, SourcePart, SourceValue};
 use crate::tables::{Dataset, Tables};
 
 use index::Index;
@@ -43,7 +43,7 @@ pub use bag::BagEvidence;
 pub use camera::CameraFile;
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
-pub use conventions::{Conventions, Declared};
+pub use conventions::{AppliedConvention, Conventions};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::{EarthOrigin, LocalOrigin, OriginSource};
@@ -106,14 +106,14 @@ pub struct World {
     pub localizations: Vec<LocalizationSettings>,
     /// Files whose quaternions are, or may be, of JPL's algebra, with the evidence for it.
     #[serde(default)]
-    pub jpl: Vec<Placed<String>>,
+    pub jpl: Vec<SourceValue<String>>,
     #[serde(skip)]
-    made: Made,
+    made: Cache,
 }
 
 /// Results that are computed from a world at first use.
 #[derive(Clone, Debug, Default)]
-struct Made {
+struct Cache {
     graph: OnceLock<FrameGraph>,
     launched: OnceLock<Vec<FrameGraph>>,
     whole: OnceLock<FrameGraph>,
@@ -153,7 +153,7 @@ pub struct Facts {
     /// Settings of `robot_localization`.
     pub localizations: Vec<LocalizationSettings>,
     /// The file, where its quaternions are, or may be, of JPL's algebra, with the evidence for it.
-    pub jpl: Vec<Placed<String>>,
+    pub jpl: Vec<SourceValue<String>>,
 }
 
 impl Facts {
@@ -233,7 +233,9 @@ impl World {
     /// The topic and the fields of it that a place points at, if only their names suggest what they are, and the
     /// configuration does not confirm it.
     pub fn guessed_fields<'p>(&self, place: &'p Place) -> Option<(&'p str, &'p str)> {
-        let At::Message(message) = &place.at else { return None };
+        let SourcePart::Message(message) = &place.at else {
+            return None;
+        };
         let fields = message.field.as_deref()?;
         let bag = self.bags.iter().find(|bag| bag.source == place.source)?;
         let member = bag.topics.get(&message.topic)?.members.get(fields)?;
@@ -244,7 +246,7 @@ impl World {
     }
 
     /// The user's declarations on a topic of a recording, and on the frames that it names.
-    pub fn declared(&self, source: SourceId, topic: &str, frames: &[&FrameId]) -> Option<Declared> {
+    pub fn declared(&self, source: SourceId, topic: &str, frames: &[&FrameId]) -> Option<AppliedConvention> {
         self.conventions.of(&conventions::Subject {
             file: self.path(source),
             topic: Some(topic),
@@ -282,7 +284,7 @@ impl World {
                 one.values.values().next().is_none_or(|value| at(&value.place))
             }),
             jpl: kept(&self.jpl, |one| at(&one.place)),
-            made: Made::default(),
+            made: Cache::default(),
         }
     }
 
@@ -302,7 +304,7 @@ impl World {
         self.publishers.extend(facts.publishers);
         self.localizations.extend(facts.localizations);
         self.jpl.extend(facts.jpl);
-        self.made = Made::default();
+        self.made = Cache::default();
     }
 
     /// Replaces the tokens of a dataset's sensors by their names in its table of sensors.
@@ -351,7 +353,7 @@ impl World {
             }
         }
         self.conventions = conventions;
-        self.made = Made::default();
+        self.made = Cache::default();
     }
 
     /// Drops everything but its name and its sources.
@@ -366,7 +368,7 @@ impl World {
 
     /// Drops computed results: they are computed again when needed.
     pub fn forget(&mut self) {
-        self.made = Made::default();
+        self.made = Cache::default();
     }
 
     /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.

@@ -20,9 +20,9 @@ pub struct OusterMetadata {
     /// `prod_sn`.
     pub serial: Option<String>,
     /// `lidar_origin_to_beam_origin_mm`, millimetres.
-    pub beam_origin_mm: Option<Stated>,
+    pub beam_origin_mm: Option<PlacedNumber>,
     /// `lidar_frame_azimuth_offset`: the angle at which the Lidar frame begins, millidegrees.
-    pub azimuth_offset_mdeg: Option<Stated>,
+    pub azimuth_offset_mdeg: Option<PlacedNumber>,
     /// `columns_per_frame`.
     pub columns: Option<u32>,
     /// `pixels_per_column`.
@@ -35,7 +35,7 @@ pub struct OusterMetadata {
 
 /// A number with its place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stated {
+pub struct PlacedNumber {
     /// The number.
     #[serde(with = "super::number")]
     pub value: f64,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::Placed;
+use crate::source::SourceValue;
 
 /// The state of the file that a reference names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct FileReference {
     /// Its key.
     pub key: String,
     /// The path as written.
-    pub path: Placed<String>,
+    pub path: SourceValue<String>,
     /// The state of the file.
     pub state: ReferenceState,
 }

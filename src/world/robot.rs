@@ -3,7 +3,7 @@
 use compact_str::CompactString;
 use serde::{Deserialize, Serialize};
 
-use crate::source::{Place, Placed, SourceId};
+use crate::source::{Place, SourceId, SourceValue};
 
 use super::claim::{Literal, Pose};
 
@@ -13,7 +13,7 @@ pub struct NumberList {
     /// The attribute's name: `xyz`, `rpy`, `quat_xyzw`, `scale`, ...
     pub attribute: CompactString,
     /// The attribute's text.
-    pub text: Placed<CompactString>,
+    pub text: SourceValue<CompactString>,
     /// The pieces between whitespace; a piece that is not a number has the value NaN and is reported in `malformed`.
     pub literals: Vec<Literal>,
     /// How many numbers the attribute should have.
@@ -55,7 +55,7 @@ pub struct Mesh {
     /// `visual` or `collision`.
     pub usage: String,
     /// The file as written (`package://...`, `file://...`, relative).
-    pub filename: Placed<String>,
+    pub filename: SourceValue<String>,
     /// Scale factors.
     pub scale: Option<NumberList>,
     /// Whether the file was found; `None` if it cannot be decided (a `package://` outside of the input).
@@ -83,7 +83,7 @@ pub struct Inertial {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
     /// The name; empty if the attribute is missing.
-    pub name: Placed<String>,
+    pub name: SourceValue<String>,
     /// The element's start tag.
     pub place: Place,
     /// Its inertia, if any.
@@ -141,15 +141,15 @@ pub struct JointLimit {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// The name; empty where missing.
-    pub name: Placed<String>,
+    pub name: SourceValue<String>,
     /// The type as written (`fixed`, `revolute`, ...).
-    pub kind: Placed<String>,
+    pub kind: SourceValue<String>,
     /// The element's start tag.
     pub place: Place,
     /// The parent link's name; `None` without a `<parent link=...>`.
-    pub parent: Option<Placed<String>>,
+    pub parent: Option<SourceValue<String>>,
     /// The child link's name.
-    pub child: Option<Placed<String>>,
+    pub child: Option<SourceValue<String>>,
     /// Every `<origin>` written; a consumer reads one.
     pub origins: Vec<Origin>,
     /// The axis as written.
@@ -157,7 +157,7 @@ pub struct Joint {
     /// Limits.
     pub limit: Option<JointLimit>,
     /// The joint named by `<mimic>`.
-    pub mimic: Option<Placed<String>>,
+    pub mimic: Option<SourceValue<String>>,
     /// Whether it is below a condition of xacro that was not evaluated (`xacro:if`, `xacro:unless`): it may not exist.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_conditional: bool,
@@ -172,11 +172,11 @@ impl Joint {
 
 /// Something a consumer silently ignores: a misspelt attribute or element.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ignored {
+pub struct IgnoredItem {
     /// `attribute` or `element`.
     pub what: String,
     /// The name as written, with its place.
-    pub name: Placed<String>,
+    pub name: SourceValue<String>,
     /// The element that contains it.
     pub parent: String,
     /// The known name that is probably meant, if one is similar.
@@ -185,7 +185,7 @@ pub struct Ignored {
 
 /// An element that occurs more often than a consumer reads it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Repeated {
+pub struct RepeatedItem {
     /// The element's name (`origin`, `axis`, `limit`, `parent`, ...).
     pub element: String,
     /// What contains it: `joint` or `link`, `visual`, ..., and the owner's name.
@@ -229,7 +229,7 @@ pub struct Robot {
     /// The source whose text it is.
     pub source: SourceId,
     /// The robot's name.
-    pub name: Placed<String>,
+    pub name: SourceValue<String>,
     /// The `version` attribute, if written.
     pub version: Option<String>,
     /// Links in file order.
@@ -239,9 +239,9 @@ pub struct Robot {
     /// Number lists that a consumer cannot read.
     pub malformed: Vec<NumberList>,
     /// Names that a consumer ignores.
-    pub ignored: Vec<Ignored>,
+    pub ignored: Vec<IgnoredItem>,
     /// Elements written too often.
-    pub repeated: Vec<Repeated>,
+    pub repeated: Vec<RepeatedItem>,
     /// Second opinion.
     pub consumer: ConsumerOpinion,
     /// Set where only a part could be read (an unexpanded xacro): structure rules cannot judge it.

@@ -7,7 +7,7 @@ use frames_lint::verdict::{Finding, Outcome, Row, Verdict};
 use frames_lint::world::{Facts, World};
 
 use crate::errors::Error;
-use crate::streams::{At, Stream};
+use crate::streams::{Stream, StreamPlace};
 use crate::support::deference;
 
 /// What became of an error.
@@ -123,7 +123,7 @@ impl<'w> Judged<'w> {
             .at
             .iter()
             .map(|at| match at {
-                At::Topic(topic, _) | At::Edge(_, _, topic) => topic,
+                StreamPlace::Topic(topic, _) | StreamPlace::Edge(_, _, topic) => topic,
             })
             .collect();
         let is_other = |topic: &&String, bag: &frames_lint::world::BagEvidence| bag.topics.contains_key(topic.as_str());

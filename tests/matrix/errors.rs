@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::cameras;
 use crate::places;
 use crate::stages::Stage;
-use crate::streams::{At, Kind, Stream};
+use crate::streams::{Kind, Stream, StreamPlace};
 use crate::support::drive::rows::{FixRow as Fix, ImuRow, OdometryRow, PoseRow as Pose};
 pub use crate::table::all;
 
@@ -20,9 +20,9 @@ pub const GRAVITY: f64 = 9.806_65;
 #[derive(Clone, Copy)]
 pub enum Change {
     /// Inertial rows, where the messages have what it changes.
-    Imu(Needs, fn(&mut ImuRow)),
+    Imu(Requirement, fn(&mut ImuRow)),
     /// Poses and their twists.
-    Poses(Needs, fn(&mut OdometryRow)),
+    Poses(Requirement, fn(&mut OdometryRow)),
     /// Poses that are known from the fixes of the recording.
     Places(fn(places::Place, &places::Place) -> [f64; 3]),
     /// Fixes.
@@ -37,7 +37,7 @@ pub enum Change {
 
 /// What a stream must have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
+pub enum Requirement {
     Nothing,
     Orientation,
     Gyro,
@@ -146,8 +146,8 @@ impl Error {
 }
 
 /// Whether a stream has what an error changes.
-pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
-    let mut found = needs == Needs::Nothing;
+pub fn has(world: &World, stream: &Stream, needs: Requirement) -> bool {
+    let mut found = needs == Requirement::Nothing;
     let differ = |mut values: Box<dyn Iterator<Item = [f64; 4]> + '_>| {
         let Some(first) = values.next() else { return false };
         values.any(|value| value != first)
@@ -155,8 +155,8 @@ pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
     let moves = |value: [f64; 3]| value.iter().any(|value| value.is_finite() && *value != 0.0);
     let mut world = world.clone();
     let edges = edges(&mut world, stream).into_iter().any(|_| true);
-    found |= edges && needs == Needs::Orientation;
-    found |= needs == Needs::Child && stream.is_of_base;
+    found |= edges && needs == Requirement::Orientation;
+    found |= needs == Requirement::Child && stream.is_of_base;
     stream.contents(&mut world, |content| {
         let inertial = || content.motion.inertial.iter().flat_map(Series::rows);
         let poses = || content.motion.poses.iter().flat_map(Series::rows);
@@ -167,14 +167,14 @@ pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
                 .is_some_and(|one| one.all_zero < one.count && one.minus_one < one.count)
         };
         found |= match needs {
-            Needs::Nothing => true,
-            Needs::Orientation => differ(Box::new(
+            Requirement::Nothing => true,
+            Requirement::Orientation => differ(Box::new(
                 inertial()
                     .map(|row| row.orientation)
                     .chain(poses().map(|row| row.orientation)),
             )),
-            Needs::Gyro => inertial().any(|row| moves(row.angular_velocity)),
-            Needs::Gravity => {
+            Requirement::Gyro => inertial().any(|row| moves(row.angular_velocity)),
+            Requirement::Gravity => {
                 let mut lengths: Vec<f64> = inertial()
                     .map(|row| Vector3::from(row.linear_acceleration).norm())
                     .collect();
@@ -183,8 +183,8 @@ pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
                     .get(lengths.len() / 2)
                     .is_some_and(|length| (length / GRAVITY - 1.0).abs() < 0.12)
             }
-            Needs::Child => false,
-            Needs::Aside => {
+            Requirement::Child => false,
+            Requirement::Aside => {
                 let sum = |axis: usize| {
                     poses()
                         .filter_map(|row| Some(row.twist?.linear[axis].powi(2)))
@@ -192,12 +192,12 @@ pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
                 };
                 sum(1) > 0.0 && sum(1) >= 0.03_f64.powi(2) * (sum(0) + sum(1))
             }
-            Needs::Twist => poses().any(|row| {
+            Requirement::Twist => poses().any(|row| {
                 row.twist
                     .is_some_and(|twist| moves(twist.linear) || moves(twist.angular))
             }),
-            Needs::Covariance => covers("orientation_covariance") || covers("pose.covariance"),
-            Needs::TwistCovariance => covers("twist.covariance"),
+            Requirement::Covariance => covers("orientation_covariance") || covers("pose.covariance"),
+            Requirement::TwistCovariance => covers("twist.covariance"),
         };
     });
     found
@@ -354,7 +354,7 @@ pub fn as_odometry_rows(world: &mut World, stream: &Stream, change: fn(&mut Odom
 /// The edges of TF that a stream stands in.
 pub fn edges<'w>(world: &'w mut World, stream: &Stream) -> Vec<&'w mut frames_lint::world::bag::TfEdge> {
     let is_meant = |edge: &&mut frames_lint::world::bag::TfEdge| {
-        let at = At::Edge(
+        let at = StreamPlace::Edge(
             edge.parent.canonical().as_str().to_owned(),
             edge.child.canonical().as_str().to_owned(),
             edge.topic.clone(),

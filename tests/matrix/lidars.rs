@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 
 use crate::errors::edges;
 use crate::stages::{Stage, message};
-use crate::streams::{At, Kind, Stream};
+use crate::streams::{Kind, Stream, StreamPlace};
 use crate::support::clouds::{Driver, Lidar};
 use crate::support::drive::errors::slots;
 use crate::support::drive::lidar::{Beams, Ray, cast};
@@ -37,7 +37,7 @@ pub static LIDAR: Stage = Stage {
 };
 
 /// What is told of the lidar.
-pub struct Told {
+pub struct LidarSetup {
     /// What its driver makes of the rays.
     pub cloud: fn(&mut Lidar),
     /// The cloud's axes from the sensor's, `base_from_sensor` given.
@@ -48,7 +48,7 @@ pub struct Told {
     pub half_turn: f64,
 }
 
-pub const RIGHT: Told = Told {
+pub const RIGHT: LidarSetup = LidarSetup {
     cloud: |_| {},
     axes: |_| Isometry3::identity(),
     mount: |mount| mount,
@@ -56,11 +56,11 @@ pub const RIGHT: Told = Told {
 };
 
 /// Tells the lidar otherwise.
-pub fn tell(world: &mut World, stream: &Stream, told: &Told) {
+pub fn set_lidar(world: &mut World, stream: &Stream, setup: &LidarSetup) {
     let bag = &mut world.bags[stream.bag];
     bag.topics.remove("/points");
     bag.tf.retain(|edge| !edge.child.as_str().starts_with("os_"));
-    put(world, stream, told);
+    put(world, stream, setup);
 }
 
 /// z forward, x right, y down from x forward, y left, z up.
@@ -76,14 +76,14 @@ pub fn turn(axis: Vector3<f64>, degrees: f64) -> Isometry3<f64> {
 }
 
 /// A part of the way of a platform.
-struct Way {
+struct PathSection {
     /// Times in seconds after the first of them, and `world_from_base`.
     poses: Vec<(f64, Isometry3<f64>)>,
     /// The first of them: stamp and log time, nanoseconds.
     start_ns: [i64; 2],
 }
 
-impl Way {
+impl PathSection {
     /// The part of the recording that is used; `None` where there is none.
     fn of(world: &mut World, stream: &Stream) -> Option<Self> {
         let mut stretches: Vec<Vec<PoseRow>> = Vec::new();
@@ -165,25 +165,25 @@ fn seconds(part: &[&PoseRow]) -> f64 {
 }
 
 /// The rays of the last stream, for the next error.
-type Kept = Option<(String, Rc<Vec<Vec<Ray>>>)>;
+type RayCache = Option<(String, Rc<Vec<Vec<Ray>>>)>;
 
 thread_local! {
-    static KEPT: RefCell<Kept> = const { RefCell::new(None) };
+    static KEPT: RefCell<RayCache> = const { RefCell::new(None) };
 }
 
-fn put(world: &mut World, stream: &Stream, told: &Told) -> bool {
+fn put(world: &mut World, stream: &Stream, setup: &LidarSetup) -> bool {
     let child = stream.at.iter().find_map(|at| match at {
-        At::Edge(_, child, _) => Some(child.clone()),
-        At::Topic(topic, None) => {
+        StreamPlace::Edge(_, child, _) => Some(child.clone()),
+        StreamPlace::Topic(topic, None) => {
             let frames = &world.bags[stream.bag].topics[topic].child_frames;
             frames.keys().next().map(|frame| frame.canonical().as_str().to_owned())
         }
-        At::Topic(..) => None,
+        StreamPlace::Topic(..) => None,
     });
     let (Some(child), true) = (child, stream.is_of_base) else {
         return false;
     };
-    let Some(way) = Way::of(world, stream) else {
+    let Some(way) = PathSection::of(world, stream) else {
         return false;
     };
     // The ground is where a footprint is, else under the frame itself.
@@ -201,8 +201,8 @@ fn put(world: &mut World, stream: &Stream, told: &Told) -> bool {
         surroundings: Surroundings::Street,
         ..Lidar::default()
     };
-    (told.cloud)(&mut lidar);
-    lidar.told = (told.axes)(&mount);
+    (setup.cloud)(&mut lidar);
+    lidar.setup = (setup.axes)(&mount);
     let rays = rays(stream, &way, &ground, &mount, &lidar);
     let [stamp_ns, log_ns] = way.start_ns;
     let topic = scans::collected(&lidar, "os_sensor", &rays, |number| {
@@ -211,9 +211,9 @@ fn put(world: &mut World, stream: &Stream, told: &Told) -> bool {
     });
     let bag = &mut world.bags[stream.bag];
     bag.topics.insert("/points".to_owned(), topic);
-    let mut lidar_in_sensor = turn(Vector3::z(), told.half_turn.to_degrees());
+    let mut lidar_in_sensor = turn(Vector3::z(), setup.half_turn.to_degrees());
     lidar_in_sensor.translation.z = 0.03618;
-    let mounted = ground * (told.mount)(mount);
+    let mounted = ground * (setup.mount)(mount);
     let at = bag.start_ns.unwrap_or_default();
     for (parent, name, pose) in [
         (child.as_str(), "os_sensor", mounted),
@@ -252,7 +252,7 @@ fn footprint(world: &World, stream: &Stream, base: &str) -> f64 {
 
 fn rays(
     stream: &Stream,
-    way: &Way,
+    way: &PathSection,
     ground: &Isometry3<f64>,
     mount: &Isometry3<f64>,
     lidar: &Lidar,

@@ -6,7 +6,7 @@ use frames_lint::world::claim::Pose;
 use frames_lint::world::motion::{FixRow, PoseRow, Series};
 
 use crate::errors::edges;
-use crate::streams::{At, Stream};
+use crate::streams::{Stream, StreamPlace};
 
 pub use crate::support::drive::earth::Place;
 
@@ -25,7 +25,7 @@ pub fn as_row(pose: &mut Pose, change: impl Fn(&mut PoseRow)) {
 
 /// Puts poses where the fixes of the recording are, expressed in another kind of coordinates; false where there are no fixes.
 pub fn put(world: &mut World, stream: &Stream, tell: fn(Place, &Place) -> [f64; 3]) -> bool {
-    let said = world.bags[stream.bag].topics.values().flat_map(TopicEvidence::said);
+    let said = world.bags[stream.bag].topics.values().flat_map(TopicEvidence::contents);
     let fixes: Vec<FixRow> = said
         .filter_map(|said| said.content.motion.fixes.as_ref())
         .max_by_key(|series| series.count)
@@ -95,7 +95,7 @@ pub fn restamp(world: &mut World, stream: &Stream, seconds: f64) -> bool {
         }
     });
     for at in &stream.at {
-        let At::Topic(topic, _) = at else { continue };
+        let StreamPlace::Topic(topic, _) = at else { continue };
         let stamps = &mut world.bags[stream.bag].topics.get_mut(topic).unwrap().stamps;
         stamps.samples.iter_mut().for_each(|(stamp_ns, _)| *stamp_ns += by_ns);
         let known = [&mut stamps.first, &mut stamps.last];

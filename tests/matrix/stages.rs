@@ -137,7 +137,7 @@ pub static CORRECTION: Stage = Stage {
 };
 
 /// Tells where the map lies on the Earth, with an error.
-pub fn tell_earth(world: &mut World, stream: &Stream, error: Option<Known>) {
+pub fn add_earth(world: &mut World, stream: &Stream, error: Option<Known>) {
     let first = surveyed(world, stream).unwrap();
     set_earth(world, stream, on_earth(first, error));
 }
@@ -298,5 +298,5 @@ fn surveyed(world: &mut World, stream: &Stream) -> Option<Place> {
 }
 
 fn has_orientation(world: &World, stream: &Stream) -> bool {
-    crate::errors::has(world, stream, crate::errors::Needs::Orientation)
+    crate::errors::has(world, stream, crate::errors::Requirement::Orientation)
 }

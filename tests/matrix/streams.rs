@@ -13,7 +13,7 @@ const WORLDS: &[&str] = &["odom", "map", "world", "earth"];
 
 /// Where the numbers of a stream stand.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum At {
+pub enum StreamPlace {
     /// In the messages of a topic, or in a member of them.
     Topic(String, Option<String>),
     /// In TF: parent, child, topic.
@@ -36,7 +36,7 @@ pub struct Stream {
     /// Its recording, by its number in the world.
     pub bag: usize,
     pub kind: Kind,
-    pub at: Vec<At>,
+    pub at: Vec<StreamPlace>,
     /// Frames that it names.
     pub frames: BTreeSet<String>,
     /// Whether it tells how a frame of the platform moves in one that does not.
@@ -71,8 +71,8 @@ impl Stream {
     /// The words in a row's subject that say that it is of this stream.
     pub fn words(&self) -> Vec<String> {
         let at = self.at.iter().flat_map(|at| match at {
-            At::Topic(topic, _) => vec![format!("`{topic}`")],
-            At::Edge(parent, child, _) => vec![format!("`{parent}` -> `{child}`")],
+            StreamPlace::Topic(topic, _) => vec![format!("`{topic}`")],
+            StreamPlace::Edge(parent, child, _) => vec![format!("`{parent}` -> `{child}`")],
         });
         at.chain(self.frames.iter().map(|frame| format!("`{frame}`"))).collect()
     }
@@ -81,7 +81,7 @@ impl Stream {
     pub fn contents(&self, world: &mut World, mut change: impl FnMut(&mut ContentEvidence)) {
         let bag = &mut world.bags[self.bag];
         for at in &self.at {
-            let At::Topic(topic, field) = at else { continue };
+            let StreamPlace::Topic(topic, field) = at else { continue };
             let topic = bag.topics.get_mut(topic).unwrap();
             match field {
                 None => change(&mut topic.content),
@@ -91,7 +91,7 @@ impl Stream {
     }
 }
 
-impl std::fmt::Display for At {
+impl std::fmt::Display for StreamPlace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Topic(topic, None) => f.write_str(topic),
@@ -104,12 +104,15 @@ impl std::fmt::Display for At {
 fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
     let mut streams = Vec::new();
     let mut ways: BTreeMap<(String, String), Stream> = BTreeMap::new();
-    for said in evidence.topics.values().flat_map(TopicEvidence::said) {
+    for said in evidence.topics.values().flat_map(TopicEvidence::contents) {
         let frames = said.header_frames.keys().chain(said.child_frames.keys());
         let stream = |kind| Stream {
             bag,
             kind,
-            at: vec![At::Topic(said.topic.topic.clone(), said.field.map(str::to_owned))],
+            at: vec![StreamPlace::Topic(
+                said.topic.topic.clone(),
+                said.field.map(str::to_owned),
+            )],
             frames: frames
                 .clone()
                 .map(|frame| frame.canonical().as_str().to_owned())
@@ -147,7 +150,7 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
         if !WORLDS.contains(&parent.as_str()) {
             continue;
         }
-        let at = At::Edge(parent.clone(), child.clone(), edge.topic.clone());
+        let at = StreamPlace::Edge(parent.clone(), child.clone(), edge.topic.clone());
         let way = ways.entry((parent.clone(), child.clone())).or_insert_with(|| Stream {
             bag,
             kind: Kind::Poses,
@@ -164,7 +167,7 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
         Stream {
             bag,
             kind: Kind::Camera,
-            at: vec![At::Edge(parent, child.clone(), edge.topic.clone())],
+            at: vec![StreamPlace::Edge(parent, child.clone(), edge.topic.clone())],
             frames: [child].into(),
             is_of_base: false,
             is_standard: false,

@@ -6,7 +6,7 @@ use crate::cloud_scenes::{DIRECTION, HAND, OUSTER, SEEN, UP};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
-use crate::table::{ALL, Asked, Reference, Table};
+use crate::table::{ALL, AnswerKey, Reference, Table};
 
 /// How many trials of each line the simulations have.
 const S5: u32 = 90;
@@ -31,7 +31,7 @@ const ROBOT: Kind = Kind {
 };
 
 /// Lines of a simulation: kinds of drives and worlds with the share that was right in it.
-type Simulated = (Kind, &'static [&'static str], f64, &'static str);
+type SimulatedLine = (Kind, &'static [&'static str], f64, &'static str);
 
 /// Every line.
 pub fn lines(table: &mut Table) {
@@ -68,11 +68,11 @@ pub fn lines(table: &mut Table) {
 
 /// The rules of a world, and all together.
 fn ask(table: &mut Table, group: &'static str, kind: Kind, name: &'static str) {
-    let seen = crate::cloud_worlds::seen(name);
+    let seen = crate::cloud_worlds::world_named(name);
     for (rule, subject) in seen.asked.iter().chain([&(ALL, "")]) {
         table.ask(
             kind,
-            &Asked {
+            &AnswerKey {
                 group,
                 rule,
                 subject,
@@ -153,13 +153,13 @@ fn simulated(
     group: &'static str,
     (rule, subject): (&'static str, &'static str),
     trials: u32,
-    lines: &[Simulated],
+    lines: &[SimulatedLine],
 ) {
     for (kind, worlds, right, words) in lines {
         for name in *worlds {
             table.ask(
                 *kind,
-                &Asked {
+                &AnswerKey {
                     group,
                     rule,
                     subject,

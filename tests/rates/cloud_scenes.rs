@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use crate::cloud_worlds::{Around, Seen, Sensor};
+use crate::cloud_worlds::{CloudWorld, Scenery, Sensor};
 use crate::support::clouds::Times;
 use crate::support::driven_world::Recording;
 
@@ -24,15 +24,15 @@ pub const DIRECTION: (&str, &str) = ("CROSS04", "direction of");
 const PLACE: (&str, &str) = ("CROSS05", "place of");
 
 /// A world without a fault.
-const HEALTHY: Seen = Seen {
+const HEALTHY: CloudWorld = CloudWorld {
     name: "",
     is_healthy: true,
-    around: Around::Outdoors,
+    around: Scenery::Outdoors,
     sensor: Sensor::Any,
     yaw_deg: |seed| [0.0, 30.0, 90.0][(seed % 3) as usize],
     cloud: |_, _| {},
     axes: |_| Isometry3::identity(),
-    told: |mount| mount,
+    stated: |mount| mount,
     frames: None,
     more: |recording| recording,
     has_imu: true,
@@ -43,21 +43,21 @@ const HEALTHY: Seen = Seen {
 };
 
 /// One with a fault.
-const WRONG: Seen = Seen {
+const WRONG: CloudWorld = CloudWorld {
     is_healthy: false,
     ..HEALTHY
 };
 
 /// One whose fault takes motion to be seen.
-const MOVING: Seen = Seen { is_long: true, ..WRONG };
+const MOVING: CloudWorld = CloudWorld { is_long: true, ..WRONG };
 
-const OF_OUSTER: Seen = Seen {
+const OF_OUSTER: CloudWorld = CloudWorld {
     sensor: Sensor::Ouster,
     asked: &[OUSTER],
     ..HEALTHY
 };
 
-const OTHER_FRAME: Seen = Seen {
+const OTHER_FRAME: CloudWorld = CloudWorld {
     is_healthy: false,
     names: (&["z180"], &[]),
     cloud: |lidar, _| lidar.turned_deg = 180.0,
@@ -65,7 +65,7 @@ const OTHER_FRAME: Seen = Seen {
 };
 
 /// What indoors, without gravity, may only be hinted at.
-const INDOORS: Seen = Seen {
+const INDOORS: CloudWorld = CloudWorld {
     has_imu: false,
     hints_alone: true,
     asked: &[UP],
@@ -79,8 +79,8 @@ const INVERSE: &str = "or it is inverted";
 const SWEEPS: &str = "The cloud is mirrored, its z axis points down";
 
 /// Every world. Those with the same rays follow each other.
-pub const SEEN: &[Seen] = &[
-    Seen {
+pub const SEEN: &[CloudWorld] = &[
+    CloudWorld {
         name: "clouds",
         is_long: true,
         asked: &[
@@ -88,92 +88,92 @@ pub const SEEN: &[Seen] = &[
         ],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "clouds, short",
         asked: &[GROUND, UP, TIMES, UNIT, SWEEP, HEADER, SINGLE],
         ..HEALTHY
     },
     // Transforms alone: the clouds are the same.
-    Seen {
+    CloudWorld {
         name: "no height",
         names: (&["not-applied"], &[]),
-        told: |mount| on_level(mount, 0.0),
+        stated: |mount| on_level(mount, 0.0),
         asked: &[GROUND],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "height negated",
         names: (&["z-sign"], &[]),
-        told: |mount| on_level(mount, -mount.translation.z),
+        stated: |mount| on_level(mount, -mount.translation.z),
         asked: &[GROUND],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "height twice",
         names: (&["twice"], &[]),
-        told: |mount| on_level(mount, 2.0 * mount.translation.z),
+        stated: |mount| on_level(mount, 2.0 * mount.translation.z),
         asked: &[GROUND],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "mounting x180",
         names: (&["mount"], &[]),
-        told: |mount| mount * Isometry3::rotation(Vector3::x() * PI),
+        stated: |mount| mount * Isometry3::rotation(Vector3::x() * PI),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "mounting optical",
         names: (&["mount"], &[]),
-        told: |mount| mount * optical().inverse(),
+        stated: |mount| mount * optical().inverse(),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "mounting inverse",
         // Its height is told beneath the ground as well.
         names: (&["inverse", "z-sign"], &[INVERSE]),
-        told: |mount| mount.inverse(),
+        stated: |mount| mount.inverse(),
         asked: &[DIRECTION],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "mounting lacks 90 deg",
         names: (&["z90", "z-90"], &[]),
-        told: |mount| mount * Isometry3::rotation(Vector3::z() * FRAC_PI_2),
+        stated: |mount| mount * Isometry3::rotation(Vector3::z() * FRAC_PI_2),
         asked: &[FORWARD],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "mounting lacks 180 deg",
         names: (&["z180", "z180-extra", "z180-missing"], &[]),
-        told: |mount| mount * Isometry3::rotation(Vector3::z() * PI),
+        stated: |mount| mount * Isometry3::rotation(Vector3::z() * PI),
         asked: &[FORWARD],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "mounting lacks 20 deg",
         names: (&["yaw"], &[]),
-        told: |mount| mount * Isometry3::rotation(Vector3::z() * 0.35),
+        stated: |mount| mount * Isometry3::rotation(Vector3::z() * 0.35),
         asked: &[FORWARD],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "mounting 2.5 deg off",
         names: (&["moved", "yaw"], &[]),
-        told: |mount| mount * Isometry3::rotation(Vector3::z() * 0.0436),
+        stated: |mount| mount * Isometry3::rotation(Vector3::z() * 0.0436),
         asked: &[PLACE],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "mounting 0.5 m off",
         names: (&["moved"], &[]),
-        told: |mount| Isometry3::translation(0.3, -0.4, 0.0) * mount,
+        stated: |mount| Isometry3::translation(0.3, -0.4, 0.0) * mount,
         asked: &[PLACE],
         ..MOVING
     },
     // The points.
-    Seen {
+    CloudWorld {
         name: "expressed in the base",
         // Its yaw was not applied either.
         names: (&["not-applied"], &["lacks a yaw of"]),
@@ -181,57 +181,57 @@ pub const SEEN: &[Seen] = &[
         asked: &[GROUND],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "extrinsic applied twice",
         names: (&["twice"], &[]),
         axes: |mount| *mount,
         asked: &[GROUND],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "expressed in the base, rightly",
         axes: |mount| *mount,
         frames: Some(["base_footprint", "lidar_top"]),
         asked: &[GROUND, UP],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "z down",
         names: (&["x180"], &[SWEEPS]),
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "z down, as TF says",
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
-        told: |mount| mount * Isometry3::rotation(Vector3::x() * PI),
+        stated: |mount| mount * Isometry3::rotation(Vector3::x() * PI),
         is_long: true,
         asked: &[UP, HAND, FORWARD],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "z forward",
         names: (&["optical"], &[]),
         axes: |_| optical(),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "y up",
         names: (&["y-up"], &[]),
         axes: |_| Isometry3::rotation(Vector3::x() * -FRAC_PI_2),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "on its side",
         names: (&["on-its-side"], &[]),
         axes: |_| Isometry3::rotation(Vector3::y() * FRAC_PI_2),
         asked: &[UP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "tilted by 6 deg",
         // Under a sensor beside the base the ground is some centimetres off.
         names: (&["tilted"], &["the height of the mounting, or of the base, is wrong"]),
@@ -239,21 +239,21 @@ pub const SEEN: &[Seen] = &[
         asked: &[LEVEL],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "y negated",
         names: (&["mirrored"], &[SWEEPS]),
         cloud: |lidar, _| lidar.mirrored = true,
         asked: &[HAND, SWEEP],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "x, y swapped",
         names: (&["mirrored"], &[SWEEPS]),
         cloud: |lidar, _| lidar.swapped = true,
         asked: &[HAND, SWEEP],
         ..MOVING
     },
-    Seen {
+    CloudWorld {
         name: "z negated",
         // A mirror image that stands on its head: without a gyro it is a cloud on its head.
         names: (&["z-negated", "x180"], &[]),
@@ -262,21 +262,21 @@ pub const SEEN: &[Seen] = &[
         ..MOVING
     },
     // Times.
-    Seen {
+    CloudWorld {
         name: "no times",
         names: (&["missing"], &[]),
         cloud: |lidar, _| lidar.times = Times::Missing,
         asked: &[TIMES],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "one time",
         names: (&["constant"], &[]),
         cloud: |lidar, _| lidar.times = Times::Constant,
         asked: &[TIMES],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "times in ms or us",
         names: (&["unit"], &[]),
         // Of nanoseconds microseconds, of seconds milliseconds: what the type of the field can hold.
@@ -284,14 +284,14 @@ pub const SEEN: &[Seen] = &[
         asked: &[UNIT],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "times reversed",
         names: (&[], &["the times of its points run backwards"]),
         cloud: |lidar, _| lidar.times = Times::Reversed,
         asked: &[SWEEP],
         ..WRONG
     },
-    Seen {
+    CloudWorld {
         name: "float32 UTM",
         names: (&["float32"], &["code in float32 loses digits"]),
         cloud: |lidar, _| lidar.offset = [448_262.0, 5_411_932.0, 120.0],
@@ -299,13 +299,13 @@ pub const SEEN: &[Seen] = &[
         ..WRONG
     },
     // Clocks.
-    Seen {
+    CloudWorld {
         name: "clocked",
         sensor: Sensor::Clocked,
         asked: &[HEADER, UNIT],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "another clock",
         sensor: Sensor::Clocked,
         names: (&["elsewhere"], &[]),
@@ -314,13 +314,13 @@ pub const SEEN: &[Seen] = &[
         ..WRONG
     },
     // A sensor that does not spin.
-    Seen {
+    CloudWorld {
         name: "solid state",
         sensor: Sensor::SolidState,
         asked: &[GROUND, UP, TIMES, UNIT, SWEEP, HEADER, SINGLE],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "solid state, one time",
         sensor: Sensor::SolidState,
         names: (&["constant"], &[]),
@@ -329,11 +329,11 @@ pub const SEEN: &[Seen] = &[
         ..WRONG
     },
     // Ouster's two frames.
-    Seen {
+    CloudWorld {
         name: "Sensor frame",
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Sensor frame, destaggered, lost",
         cloud: |lidar, seed| {
             lidar.destaggered = true;
@@ -341,17 +341,17 @@ pub const SEEN: &[Seen] = &[
         },
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Sensor frame, window",
         cloud: |lidar, _| lidar.window_deg = Some([-60.0, 60.0]),
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Sensor frame, filtered",
         cloud: |lidar, _| lidar.filtered = true,
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Sensor frame, filtered, window",
         cloud: |lidar, _| {
             lidar.filtered = true;
@@ -359,18 +359,18 @@ pub const SEEN: &[Seen] = &[
         },
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Sensor fr. as os_lidar",
         names: (&["z180"], &[]),
         frames: Some(["os_lidar", "os_lidar"]),
         is_healthy: false,
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "Lidar fr. as os_sensor",
         ..OTHER_FRAME
     },
-    Seen {
+    CloudWorld {
         name: "Lidar fr. as os_sensor, destaggered, lost",
         cloud: |lidar, seed| {
             lidar.turned_deg = 180.0;
@@ -379,7 +379,7 @@ pub const SEEN: &[Seen] = &[
         },
         ..OTHER_FRAME
     },
-    Seen {
+    CloudWorld {
         name: "Lidar fr. as os_sensor, window",
         cloud: |lidar, _| {
             lidar.turned_deg = 180.0;
@@ -387,7 +387,7 @@ pub const SEEN: &[Seen] = &[
         },
         ..OTHER_FRAME
     },
-    Seen {
+    CloudWorld {
         name: "Lidar fr. as os_sensor, filtered",
         cloud: |lidar, _| {
             lidar.turned_deg = 180.0;
@@ -395,14 +395,14 @@ pub const SEEN: &[Seen] = &[
         },
         ..OTHER_FRAME
     },
-    Seen {
+    CloudWorld {
         name: "os_lidar in os_sensor",
         more: |recording| ouster(recording, PI),
         frames: Some(["os_sensor", "os_sensor"]),
         asked: &[METADATA, OUSTER],
         ..OF_OUSTER
     },
-    Seen {
+    CloudWorld {
         name: "os_lidar as os_sensor",
         names: (&["identity"], &[]),
         more: |recording| ouster(recording, 0.0),
@@ -412,93 +412,93 @@ pub const SEEN: &[Seen] = &[
         ..OF_OUSTER
     },
     // Where scans have something to match.
-    Seen {
+    CloudWorld {
         name: "clouds in a street",
-        around: Around::Street,
+        around: Scenery::Street,
         is_long: true,
         asked: &[DIRECTION, FORWARD, PLACE],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "mounting inverse in a street",
-        around: Around::Street,
+        around: Scenery::Street,
         names: (&["inverse", "z-sign"], &[INVERSE]),
-        told: |mount| mount.inverse(),
+        stated: |mount| mount.inverse(),
         asked: &[DIRECTION],
         ..MOVING
     },
     // Another mounting.
-    Seen {
+    CloudWorld {
         name: "clouds, yaw 180 deg",
         yaw_deg: |_| 180.0,
         is_long: true,
         asked: &[DIRECTION, FORWARD, PLACE],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "mounting inverse, yaw 180 deg",
         yaw_deg: |_| 180.0,
         names: (&["inverse", "z-sign"], &[INVERSE]),
-        told: |mount| mount.inverse(),
+        stated: |mount| mount.inverse(),
         asked: &[DIRECTION],
         ..MOVING
     },
     // Indoors, and no gravity.
-    Seen {
+    CloudWorld {
         name: "warehouse",
-        around: Around::Warehouse,
+        around: Scenery::Warehouse,
         ..INDOORS
     },
-    Seen {
+    CloudWorld {
         name: "warehouse, z down",
-        around: Around::Warehouse,
+        around: Scenery::Warehouse,
         is_healthy: false,
         names: (&["x180"], &[SWEEPS]),
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
         ..INDOORS
     },
-    Seen {
+    CloudWorld {
         name: "warehouse, z forward",
-        around: Around::Warehouse,
+        around: Scenery::Warehouse,
         is_healthy: false,
         names: (&["optical"], &[]),
         axes: |_| optical(),
         ..INDOORS
     },
-    Seen {
+    CloudWorld {
         name: "garage",
-        around: Around::Garage,
+        around: Scenery::Garage,
         ..INDOORS
     },
-    Seen {
+    CloudWorld {
         name: "garage, z down",
-        around: Around::Garage,
+        around: Scenery::Garage,
         is_healthy: false,
         names: (&["x180"], &[SWEEPS]),
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
         ..INDOORS
     },
-    Seen {
+    CloudWorld {
         name: "garage, z forward",
-        around: Around::Garage,
+        around: Scenery::Garage,
         is_healthy: false,
         names: (&["optical"], &[]),
         axes: |_| optical(),
         ..INDOORS
     },
     // Indoors, all beside it.
-    Seen {
+    CloudWorld {
         name: "clouds in a warehouse",
-        around: Around::Warehouse,
+        around: Scenery::Warehouse,
         is_long: true,
         asked: &[
             GROUND, LEVEL, UP, HAND, FORWARD, TIMES, UNIT, SWEEP, HEADER, SINGLE, DIRECTION, PLACE,
         ],
         ..HEALTHY
     },
-    Seen {
+    CloudWorld {
         name: "clouds in a garage",
-        around: Around::Garage,
+        around: Scenery::Garage,
         is_long: true,
         asked: &[
             GROUND, LEVEL, UP, HAND, FORWARD, TIMES, UNIT, SWEEP, HEADER, SINGLE, DIRECTION, PLACE,

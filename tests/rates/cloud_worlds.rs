@@ -28,7 +28,7 @@ const PERIOD_NS: i64 = 100_000_000;
 
 /// What is around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Around {
+pub enum Scenery {
     /// Streets, slopes and aprons in turn.
     Outdoors,
     Street,
@@ -50,10 +50,10 @@ pub enum Sensor {
 /// A world.
 #[derive(Clone, Copy)]
 #[allow(clippy::struct_excessive_bools)] // of a table
-pub struct Seen {
+pub struct CloudWorld {
     pub name: &'static str,
     pub is_healthy: bool,
-    pub around: Around,
+    pub around: Scenery,
     pub sensor: Sensor,
     /// Yaw of the mounting, degrees, by seed.
     pub yaw_deg: fn(u64) -> f64,
@@ -62,7 +62,7 @@ pub struct Seen {
     /// The cloud's axes from the driver's, the true mounting `base_from_sensor` given.
     pub axes: fn(&Isometry3<f64>) -> Isometry3<f64>,
     /// `base_from_sensor` as the transforms tell it, from the true one.
-    pub told: fn(Isometry3<f64>) -> Isometry3<f64>,
+    pub stated: fn(Isometry3<f64>) -> Isometry3<f64>,
     /// The frame that the cloud names, and the frame that is mounted; those of the sensor where there is none.
     pub frames: Option<[&'static str; 2]>,
     /// What else is told.
@@ -80,8 +80,8 @@ pub struct Seen {
 }
 
 /// The world of a name.
-pub fn seen(name: &str) -> &'static Seen {
-    let found = SEEN.iter().find(|seen| seen.name == name);
+pub fn world_named(name: &str) -> &'static CloudWorld {
+    let found = SEEN.iter().find(|world_named| world_named.name == name);
     found.unwrap_or_else(|| panic!("no world is called `{name}`"))
 }
 
@@ -90,12 +90,12 @@ type Scans = Rc<Vec<Vec<Ray>>>;
 
 /// What the worlds of one drive share: the rays and the clouds of the last one.
 #[derive(Default)]
-pub struct Shared {
+pub struct DriveCache {
     rays: RefCell<Option<(String, Scans)>>,
     clouds: RefCell<Option<(String, TopicEvidence)>>,
 }
 
-impl Seen {
+impl CloudWorld {
     /// Whether a finding names the fault.
     pub fn is_named_by(&self, finding: &Finding) -> bool {
         let (relations, texts) = self.names;
@@ -108,7 +108,7 @@ impl Seen {
     }
 
     /// The world of a drive.
-    pub fn world(&self, drive: &Messages, shared: &Shared) -> World {
+    pub fn world(&self, drive: &Messages, shared: &DriveCache) -> World {
         let seed = drive.drive.description.seed;
         let (mut lidar, name) = self.sensor.of(seed);
         lidar.surroundings = self.around.of(seed);
@@ -125,12 +125,12 @@ impl Seen {
         };
         (self.cloud)(&mut lidar, seed);
         let rays = shared.rays(&lidar, &mount, drive);
-        lidar.told = (self.axes)(&(mount * driver));
+        lidar.stated = (self.axes)(&(mount * driver));
         let [frame, mounted] = self.frames.unwrap_or([name, name]);
         let topic = shared.clouds(&lidar, frame, &rays);
         let recording = Recording::default()
             .transform("base_footprint", "base_link", &Isometry3::identity())
-            .transform("base_link", mounted, &(self.told)(mount * driver))
+            .transform("base_link", mounted, &(self.stated)(mount * driver))
             .odometry("/odom", &drive.odometry)
             .topic(topic);
         // Under a roof no satellite is seen.
@@ -149,7 +149,7 @@ impl Seen {
     }
 }
 
-impl Around {
+impl Scenery {
     fn of(self, seed: u64) -> Surroundings {
         match self {
             Self::Outdoors => match seed % 4 {
@@ -203,7 +203,7 @@ impl Sensor {
     }
 }
 
-impl Shared {
+impl DriveCache {
     /// The rays of a sensor, cast where the last ones were of another.
     fn rays(&self, lidar: &Lidar, mount: &Isometry3<f64>, drive: &Messages) -> Rc<Vec<Vec<Ray>>> {
         let before_s = lidar.before_stamp_s();

@@ -83,7 +83,7 @@ pub fn base_from_imu(seed: u64) -> Isometry3<f64> {
 impl Messages {
     /// The world that a recording with a fault gives.
     pub fn world(&self, fault: Fault) -> World {
-        if let Fault::Made(name) = fault {
+        if let Fault::FrameWorld(name) = fault {
             return frame_worlds::made(name).world(self);
         }
         let description = &self.drive.description;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use frames_lint::verdict::Finding;
 use nalgebra::{Rotation3, Vector3};
 
-use crate::support::drive::errors::{Error, Oriented};
+use crate::support::drive::errors::{Error, OrientedRow};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
 use crate::{cloud_worlds, frame_worlds, place_lines};
 
@@ -21,7 +21,7 @@ pub enum Fault {
     /// The satellite receiver, by its name in [`FIX`].
     Fix(&'static str),
     /// Other streams, with or without a fault, by their name in [`frame_worlds::MADE`].
-    Made(&'static str),
+    FrameWorld(&'static str),
     /// A scene of its own, by its name in [`place_lines::SCENES`]; some of them are healthy.
     Place(&'static str),
     /// What a lidar sees, by its name in [`crate::cloud_scenes::SEEN`]; some of it is healthy.
@@ -32,7 +32,7 @@ pub enum Fault {
 pub type Names = (&'static [&'static str], &'static [&'static str]);
 
 /// A fault: its name, the errors of the stream, and what names it.
-type Known = (&'static str, &'static [Error], Names);
+type FaultSpec = (&'static str, &'static [Error], Names);
 
 /// A sensor on its side that TF does not know of; the drives have no error of that name.
 const SIDE: &str = "on its side";
@@ -52,7 +52,7 @@ const LATE: &str = "odom 0.1 s late";
 const LATE_S: f64 = 0.1;
 
 /// Faults of inertial sensors.
-pub const IMU: &[Known] = &[
+pub const IMU: &[FaultSpec] = &[
     (
         "NED/FRD",
         &[Error::NedFrd],
@@ -169,7 +169,7 @@ pub const IMU: &[Known] = &[
 ];
 
 /// Faults of odometry.
-pub const ODOMETRY: &[Known] = &[
+pub const ODOMETRY: &[FaultSpec] = &[
     ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED, POSITION])),
     (
         "odom -x",
@@ -200,7 +200,7 @@ pub const ODOMETRY: &[Known] = &[
 ];
 
 /// Faults of satellite receivers.
-pub const FIX: &[Known] = &[(
+pub const FIX: &[FaultSpec] = &[(
     "lat/lon swapped",
     &[Error::Swapped],
     (&["swapped", "mirrored"], &[MIRRORED, POSITION]),
@@ -214,15 +214,15 @@ impl Fault {
             Self::Imu(name)
             | Self::Odometry(name)
             | Self::Fix(name)
-            | Self::Made(name)
+            | Self::FrameWorld(name)
             | Self::Place(name)
             | Self::Cloud(name) => name,
         }
     }
 
-    fn known(self) -> Option<&'static Known> {
+    fn known(self) -> Option<&'static FaultSpec> {
         let (of, name) = match self {
-            Self::Healthy | Self::Made(_) | Self::Place(_) | Self::Cloud(_) => return None,
+            Self::Healthy | Self::FrameWorld(_) | Self::Place(_) | Self::Cloud(_) => return None,
             Self::Imu(name) => (IMU, name),
             Self::Odometry(name) => (ODOMETRY, name),
             Self::Fix(name) => (FIX, name),
@@ -235,7 +235,7 @@ impl Fault {
     pub fn is_healthy(self) -> bool {
         match self {
             Self::Place(name) => place_lines::scene(name).is_healthy,
-            Self::Cloud(name) => cloud_worlds::seen(name).is_healthy,
+            Self::Cloud(name) => cloud_worlds::world_named(name).is_healthy,
             _ => self.names().is_none(),
         }
     }
@@ -243,7 +243,7 @@ impl Fault {
     /// What names it; nothing names what is healthy.
     fn names(self) -> Option<Names> {
         match self {
-            Self::Made(name) => frame_worlds::made(name).names,
+            Self::FrameWorld(name) => frame_worlds::made(name).names,
             _ => Some(self.known()?.2),
         }
     }
@@ -296,7 +296,7 @@ impl Fault {
             return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.text());
         }
         if let Self::Cloud(name) = self {
-            return cloud_worlds::seen(name).is_named_by(finding);
+            return cloud_worlds::world_named(name).is_named_by(finding);
         }
         self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();

@@ -6,50 +6,54 @@ use crate::faults::Fault;
 use crate::frame_worlds::MADE;
 use crate::lines::groups;
 use crate::support::drive::description::Vehicle;
-use crate::table::{ALL, Asked, Table};
+use crate::table::{ALL, AnswerKey, Table};
 
 /// A rule, its subject, and the worlds that it is asked of.
-type Shows = (&'static str, &'static str, &'static [Fault]);
+type RuleFaults = (&'static str, &'static str, &'static [Fault]);
 
-const SHOWS: &[Shows] = &[
+const SHOWS: &[RuleFaults] = &[
     (
         "AXES13",
         "axes of `base_link`",
         &[
             Fault::Healthy,
-            Fault::Made("TF alone"),
-            Fault::Made("TF alone, base FRD"),
-            Fault::Made("pose of base FRD"),
-            Fault::Made("pose of base RFU"),
-            Fault::Made("base FRD"),
-            Fault::Made("base RFU"),
-            Fault::Made("base LBU"),
-            Fault::Made("base backward"),
+            Fault::FrameWorld("TF alone"),
+            Fault::FrameWorld("TF alone, base FRD"),
+            Fault::FrameWorld("pose of base FRD"),
+            Fault::FrameWorld("pose of base RFU"),
+            Fault::FrameWorld("base FRD"),
+            Fault::FrameWorld("base RFU"),
+            Fault::FrameWorld("base LBU"),
+            Fault::FrameWorld("base backward"),
         ],
     ),
     (
         "AXES14",
         "z of `odom`, by gravity",
-        &[Fault::Healthy, Fault::Made("odom NED")],
+        &[Fault::Healthy, Fault::FrameWorld("odom NED")],
     ),
     (
         "AXES14",
         "z of `map`, by gravity",
         &[
-            Fault::Made("map"),
-            Fault::Made("map optical"),
-            Fault::Made("map y up"),
-            Fault::Made("map z down"),
-            Fault::Made("map tilted 20 deg"),
-            Fault::Made("map tilted 50 deg"),
+            Fault::FrameWorld("map"),
+            Fault::FrameWorld("map optical"),
+            Fault::FrameWorld("map y up"),
+            Fault::FrameWorld("map z down"),
+            Fault::FrameWorld("map tilted 20 deg"),
+            Fault::FrameWorld("map tilted 50 deg"),
         ],
     ),
-    ("AXES14", "z of `odom`, by altitude", &[Fault::Made("odom z negated")]),
-    ("AXES14", "z of `map`, by altitude", &[Fault::Made("map")]),
+    (
+        "AXES14",
+        "z of `odom`, by altitude",
+        &[Fault::FrameWorld("odom z negated")],
+    ),
+    ("AXES14", "z of `map`, by altitude", &[Fault::FrameWorld("map")]),
     (
         "QUAT02",
         "order of the orientation of topic `/odom`",
-        &[Fault::Healthy, Fault::Made("odom wxyz")],
+        &[Fault::Healthy, Fault::FrameWorld("odom wxyz")],
     ),
     (
         "QUAT02",
@@ -59,19 +63,19 @@ const SHOWS: &[Shows] = &[
     (
         "QUAT02",
         "order of the orientation of TF",
-        &[Fault::Made("TF alone"), Fault::Made("TF wxyz")],
+        &[Fault::FrameWorld("TF alone"), Fault::FrameWorld("TF wxyz")],
     ),
     (
         "QUAT02",
         "order of the orientation of topic `/pose`",
-        &[Fault::Made("poses"), Fault::Made("poses wxyz")],
+        &[Fault::FrameWorld("poses"), Fault::FrameWorld("poses wxyz")],
     ),
     (
         "QUAT04",
         "orientation of topic `/imu`",
         &[
             Fault::Healthy,
-            Fault::Made("pose of base FRD"),
+            Fault::FrameWorld("pose of base FRD"),
             Fault::Imu("upside down"),
         ],
     ),
@@ -79,69 +83,69 @@ const SHOWS: &[Shows] = &[
         "QUAT04",
         "topic `/vio/odom`",
         &[
-            Fault::Made("wheels, VIO"),
-            Fault::Made("VIO of FRD"),
-            Fault::Made("VIO of RDF"),
+            Fault::FrameWorld("wheels, VIO"),
+            Fault::FrameWorld("VIO of FRD"),
+            Fault::FrameWorld("VIO of RDF"),
         ],
     ),
     (
         "QUAT04",
         "topic `/slam/pose`",
         &[
-            Fault::Made("two maps"),
-            Fault::Made("two maps, x 90 deg"),
-            Fault::Made("two maps, z down"),
+            Fault::FrameWorld("two maps"),
+            Fault::FrameWorld("two maps, x 90 deg"),
+            Fault::FrameWorld("two maps, z down"),
         ],
     ),
     (
         "TREE16",
         "correction of `odom`",
         &[
-            Fault::Made("correction moves"),
-            Fault::Made("stand-in, no drift"),
-            Fault::Made("no drift, AMCL"),
-            Fault::Made("stand-in"),
-            Fault::Made("stand-in, AMCL"),
+            Fault::FrameWorld("correction moves"),
+            Fault::FrameWorld("stand-in, no drift"),
+            Fault::FrameWorld("no drift, AMCL"),
+            Fault::FrameWorld("stand-in"),
+            Fault::FrameWorld("stand-in, AMCL"),
         ],
     ),
     (
         "SENSOR05",
         "frame of topic `/livox/imu`",
-        &[Fault::Made("lidar"), Fault::Made("lidar's frame")],
+        &[Fault::FrameWorld("lidar"), Fault::FrameWorld("lidar's frame")],
     ),
     (
         "SENSOR06",
         "axes of",
         &[
-            Fault::Made("NovAtel"),
-            Fault::Made("Xsens"),
-            Fault::Made("VectorNav"),
-            Fault::Made("MAVROS"),
-            Fault::Made("VectorNav NED/FRD"),
-            Fault::Made("VectorNav NED quat."),
+            Fault::FrameWorld("NovAtel"),
+            Fault::FrameWorld("Xsens"),
+            Fault::FrameWorld("VectorNav"),
+            Fault::FrameWorld("MAVROS"),
+            Fault::FrameWorld("VectorNav NED/FRD"),
+            Fault::FrameWorld("VectorNav NED quat."),
         ],
     ),
     (
         "SENSOR06",
         "zero of the yaw of",
         &[
-            Fault::Made("NovAtel"),
-            Fault::Made("Xsens"),
-            Fault::Made("VectorNav"),
-            Fault::Made("NovAtel zero north"),
-            Fault::Made("NovAtel RFU"),
-            Fault::Made("Xsens NWU"),
-            Fault::Made("VectorNav RFU"),
+            Fault::FrameWorld("NovAtel"),
+            Fault::FrameWorld("Xsens"),
+            Fault::FrameWorld("VectorNav"),
+            Fault::FrameWorld("NovAtel zero north"),
+            Fault::FrameWorld("NovAtel RFU"),
+            Fault::FrameWorld("Xsens NWU"),
+            Fault::FrameWorld("VectorNav RFU"),
         ],
     ),
     (
         "SENSOR09",
         "topic",
         &[
-            Fault::Made("CARLA"),
-            Fault::Made("CARLA left-handed"),
-            Fault::Made("Unity, no fixes"),
-            Fault::Made("Unity left-handed"),
+            Fault::FrameWorld("CARLA"),
+            Fault::FrameWorld("CARLA left-handed"),
+            Fault::FrameWorld("Unity, no fixes"),
+            Fault::FrameWorld("Unity left-handed"),
         ],
     ),
 ];
@@ -151,7 +155,7 @@ pub fn lines(table: &mut Table) {
     for (group, kinds, pooled) in groups() {
         let mut ask = |rule, subject, fault: Fault, pooled| {
             for kind in kinds.iter().filter(|kind| shows(**kind, fault)) {
-                let asked = Asked {
+                let asked = AnswerKey {
                     group,
                     rule,
                     subject,
@@ -167,7 +171,7 @@ pub fn lines(table: &mut Table) {
             faults.iter().for_each(|fault| ask(rule, subject, *fault, pooled));
         }
         for made in MADE {
-            ask(ALL, "", Fault::Made(made.name), true);
+            ask(ALL, "", Fault::FrameWorld(made.name), true);
         }
     }
 }
@@ -175,9 +179,9 @@ pub fn lines(table: &mut Table) {
 /// What a line is called whose rule looks at what is healthy, or at a world, in two ways.
 fn called(subject: &str, fault: Fault) -> Option<&'static str> {
     match (subject, fault) {
-        ("zero of the yaw of", Fault::Made("NovAtel")) => Some("NovAtel, zero"),
-        ("zero of the yaw of", Fault::Made("Xsens")) => Some("Xsens, zero"),
-        ("zero of the yaw of", Fault::Made("VectorNav")) => Some("VectorNav, zero"),
+        ("zero of the yaw of", Fault::FrameWorld("NovAtel")) => Some("NovAtel, zero"),
+        ("zero of the yaw of", Fault::FrameWorld("Xsens")) => Some("Xsens, zero"),
+        ("zero of the yaw of", Fault::FrameWorld("VectorNav")) => Some("VectorNav, zero"),
         ("z of `map`, by altitude", _) => Some("map, by altitude"),
         ("orientation of topic `/imu`", Fault::Healthy) => Some("odometry, IMU"),
         _ => None,
@@ -186,5 +190,5 @@ fn called(subject: &str, fault: Fault) -> Option<&'static str> {
 
 /// Whether a fault shows: who stays on the ground has no heights whose sign could be wrong.
 fn shows(kind: Kind, fault: Fault) -> bool {
-    fault != Fault::Made("odom z negated") || kind.vehicle == Vehicle::Drone
+    fault != Fault::FrameWorld("odom z negated") || kind.vehicle == Vehicle::Drone
 }

@@ -9,13 +9,13 @@ use nalgebra::{Isometry3, Matrix3, Rotation2, Rotation3, Vector2, Vector3};
 use crate::drives::{FIX_LATENCY_S, Messages, ODOMETRY_HZ};
 use crate::faults::{CONSTANT, Fault, MIRRORED, Names};
 use crate::support::drive::description::Wheels;
-use crate::support::drive::errors::{Error, Oriented, frd_from_flu, rotation, turn};
+use crate::support::drive::errors::{Error, OrientedRow, frd_from_flu, rotation, turn};
 use crate::support::drive::rows::{ImuRow, OdometryRow, PoseRow};
 use crate::support::drive::{Description, Drive, Stream};
 use crate::support::driven_world::Recording;
 
 /// A world, by its name.
-pub struct Made {
+pub struct FrameWorld {
     pub name: &'static str,
     /// What names its fault; `None` where nothing is wrong.
     pub names: Option<Names>,
@@ -25,7 +25,7 @@ pub struct Made {
 }
 
 /// The world of a name.
-pub fn made(name: &str) -> &'static Made {
+pub fn made(name: &str) -> &'static FrameWorld {
     let known = MADE.iter().find(|made| made.name == name);
     known.unwrap_or_else(|| panic!("no world is called `{name}`"))
 }
@@ -33,12 +33,12 @@ pub fn made(name: &str) -> &'static Made {
 /// What the fault is on this drive: nothing, where the drive does not show it.
 pub fn truth(messages: &Messages, fault: Fault) -> Fault {
     match fault {
-        Fault::Made(name) if (made(name).is_right)(messages) => Fault::Healthy,
+        Fault::FrameWorld(name) if (made(name).is_right)(messages) => Fault::Healthy,
         _ => fault,
     }
 }
 
-impl Made {
+impl FrameWorld {
     const fn healthy(name: &'static str, recording: fn(&Messages) -> Recording) -> Self {
         Self {
             name,
@@ -82,68 +82,68 @@ const DOWN: Names = (
 );
 
 /// Every world.
-pub const MADE: &[Made] = &[
+pub const MADE: &[FrameWorld] = &[
     // Bases. While a drive is too short for a front, a base turned under a sensor looks like a sensor turned on it.
-    Made::healthy("TF alone", |drive| {
+    FrameWorld::healthy("TF alone", |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[]))
     }),
-    Made::wrong("TF alone, base FRD", (&["frd"], &["-z points up"]), |drive| {
+    FrameWorld::wrong("TF alone, base FRD", (&["frd"], &["-z points up"]), |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[Error::Inverted]))
     }),
-    Made::wrong(
+    FrameWorld::wrong(
         "pose of base FRD",
         (&["frd", "flu-frd"], &[CONSTANT, OTHER_AXES, "-z points up"]),
         |drive| drive.with(Isometry3::identity(), &drive.odom(&[Error::Inverted])),
     ),
-    Made::wrong("pose of base RFU", (&["rfu", "z-90"], &[CONSTANT]), |drive| {
+    FrameWorld::wrong("pose of base RFU", (&["rfu", "z-90"], &[CONSTANT]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::YForward]))
     }),
-    Made::wrong("base FRD", (&["frd"], &["-z points up"]), |drive| {
+    FrameWorld::wrong("base FRD", (&["frd"], &["-z points up"]), |drive| {
         drive.on(Error::Inverted)
     }),
-    Made::wrong(
+    FrameWorld::wrong(
         "base RFU",
         (&["rfu"], &["a body whose y axis points forward"]),
         |drive| drive.on(Error::YForward),
     ),
-    Made::wrong("base LBU", (&["lbu"], &["a sensor rotated to the left"]), |drive| {
+    FrameWorld::wrong("base LBU", (&["lbu"], &["a sensor rotated to the left"]), |drive| {
         drive.on(Error::Yaw90)
     }),
-    Made::wrong(
+    FrameWorld::wrong(
         "base backward",
         (&[], &["moves backwards throughout", "a sensor mounted backwards"]),
         |drive| drive.on(Error::Backward),
     ),
     // Frames of the world.
-    Made::wrong("odom NED", DOWN, |drive| {
+    FrameWorld::wrong("odom NED", DOWN, |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::NedWorld]))
     }),
-    Made::wrong("odom z negated", (&["z-down"], &[]), |drive| {
+    FrameWorld::wrong("odom z negated", (&["z-down"], &[]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::ZNegated]))
     }),
-    Made::healthy("map", |drive| drive.in_map(&Rotation3::identity())),
-    Made::wrong("map optical", (&["optical"], &[]), |drive| {
+    FrameWorld::healthy("map", |drive| drive.in_map(&Rotation3::identity())),
+    FrameWorld::wrong("map optical", (&["optical"], &[]), |drive| {
         drive.in_map(&flu_from_rdf().inverse())
     }),
-    Made::wrong("map y up", (&["y-up"], &[]), |drive| drive.in_map(&about_x(-90.0))),
-    Made::wrong("map z down", DOWN, |drive| drive.in_map(&about_x(180.0))),
-    Made::wrong("map tilted 20 deg", (&["tilted"], &[]), |drive| {
+    FrameWorld::wrong("map y up", (&["y-up"], &[]), |drive| drive.in_map(&about_x(-90.0))),
+    FrameWorld::wrong("map z down", DOWN, |drive| drive.in_map(&about_x(180.0))),
+    FrameWorld::wrong("map tilted 20 deg", (&["tilted"], &[]), |drive| {
         drive.in_map(&about_x(20.0))
     }),
-    Made::wrong("map tilted 50 deg", (&["tilted"], &[]), |drive| {
+    FrameWorld::wrong("map tilted 50 deg", (&["tilted"], &[]), |drive| {
         drive.in_map(&about_x(50.0))
     }),
     // Orders of four numbers.
-    Made::wrong("odom wxyz", (&["wxyz"], &[OTHER_AXES, W_FIRST, ORIENTATION]), |drive| {
+    FrameWorld::wrong("odom wxyz", (&["wxyz"], &[OTHER_AXES, W_FIRST, ORIENTATION]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::Wxyz]))
     }),
-    Made::wrong("TF wxyz", (&["wxyz"], &[W_FIRST]), |drive| {
+    FrameWorld::wrong("TF wxyz", (&["wxyz"], &[W_FIRST]), |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[Error::Wxyz]))
     }),
-    Made::healthy("poses", |drive| {
+    FrameWorld::healthy("poses", |drive| {
         Recording::default().poses("/pose", "map", &drive.localised("/pose"))
     }),
-    Made::wrong("poses wxyz", (&["wxyz"], &[]), |drive| {
+    FrameWorld::wrong("poses wxyz", (&["wxyz"], &[]), |drive| {
         let mut rows = drive.localised("/pose");
         for row in &mut rows {
             crate::support::drive::errors::apply(row, Error::Wxyz);
@@ -151,88 +151,88 @@ pub const MADE: &[Made] = &[
         Recording::default().poses("/pose", "map", &rows)
     }),
     // Two orientations of one platform.
-    Made::healthy("wheels, VIO", |drive| drive.with_vio(&Rotation3::identity())),
-    Made::wrong("VIO of FRD", (&["flu-frd", "frd"], &[CONSTANT]), |drive| {
+    FrameWorld::healthy("wheels, VIO", |drive| drive.with_vio(&Rotation3::identity())),
+    FrameWorld::wrong("VIO of FRD", (&["flu-frd", "frd"], &[CONSTANT]), |drive| {
         drive.with_vio(&frd_from_flu())
     }),
-    Made::wrong(
+    FrameWorld::wrong(
         "VIO of RDF",
         (&["optical", "optical-inverse", "rdf"], &[CONSTANT]),
         |drive| drive.with_vio(&flu_from_rdf()),
     ),
-    Made::healthy("two maps", |drive| drive.two_maps(&Rotation3::identity())),
-    Made::wrong("two maps, x 90 deg", (&["x90"], &[WORLDS]), |drive| {
+    FrameWorld::healthy("two maps", |drive| drive.two_maps(&Rotation3::identity())),
+    FrameWorld::wrong("two maps, x 90 deg", (&["x90"], &[WORLDS]), |drive| {
         drive.two_maps(&about_x(90.0))
     }),
-    Made::wrong("two maps, z down", (&["flu-frd"], &[WORLDS]), |drive| {
+    FrameWorld::wrong("two maps, z down", (&["flu-frd"], &[WORLDS]), |drive| {
         drive.two_maps(&about_x(180.0))
     }),
     // A correction of the map.
-    Made::healthy("correction moves", |drive| {
+    FrameWorld::healthy("correction moves", |drive| {
         let correction = drive
             .drive
             .map_odom_rows(&Stream::new("/tf", drive.drive.times(ODOMETRY_HZ)));
         drive.corrected(&correction, &drive.edge(&[]))
     }),
-    Made::healthy("stand-in, no drift", |drive| {
+    FrameWorld::healthy("stand-in, no drift", |drive| {
         drive.corrected(&drive.stand_in(), &poses_of(&drive.without_drift()))
     }),
-    Made::healthy("no drift, AMCL", |drive| {
+    FrameWorld::healthy("no drift, AMCL", |drive| {
         drive.localized(&poses_of(&drive.without_drift()))
     }),
-    Made {
+    FrameWorld {
         is_right: |drive| !drive.drifts(),
-        ..Made::wrong("stand-in", (&[], &[DRIFTS]), |drive| {
+        ..FrameWorld::wrong("stand-in", (&[], &[DRIFTS]), |drive| {
             drive.corrected(&drive.stand_in(), &drive.edge(&[]))
         })
     },
-    Made {
+    FrameWorld {
         is_right: |drive| !drive.drifts(),
-        ..Made::wrong("stand-in, AMCL", (&[], &[DRIFTS]), |drive| {
+        ..FrameWorld::wrong("stand-in, AMCL", (&[], &[DRIFTS]), |drive| {
             drive.localized(&drive.edge(&[]))
         })
     },
     // Lidars.
-    Made::healthy("lidar", |drive| {
+    FrameWorld::healthy("lidar", |drive| {
         let imu = Recording::default().imu("/livox/imu", "livox_imu", &drive.imu);
         imu.clouds("/livox/lidar", "livox_frame", 50)
     }),
-    Made::wrong("lidar's frame", (&[], &["the frame of the cloud"]), |drive| {
+    FrameWorld::wrong("lidar's frame", (&[], &["the frame of the cloud"]), |drive| {
         let imu = Recording::default().imu("/livox/imu", "livox_frame", &drive.imu);
         imu.clouds("/livox/lidar", "livox_frame", 50)
     }),
     // Drivers.
-    Made::healthy("NovAtel", |drive| drive.of_driver("/novatel/oem7/imu", None)),
-    Made::wrong("NovAtel zero north", DRIVER, |drive| {
+    FrameWorld::healthy("NovAtel", |drive| drive.of_driver("/novatel/oem7/imu", None)),
+    FrameWorld::wrong("NovAtel zero north", DRIVER, |drive| {
         drive.of_driver("/novatel/oem7/imu", Some(Error::ZeroNorth))
     }),
-    Made::wrong("NovAtel RFU", TURNED, |drive| {
+    FrameWorld::wrong("NovAtel RFU", TURNED, |drive| {
         drive.of_driver("/novatel/oem7/imu", Some(Error::YForward))
     }),
-    Made::healthy("Xsens", |drive| drive.of_driver("/xsens/imu", None)),
-    Made::wrong("Xsens NWU", DRIVER, |drive| {
+    FrameWorld::healthy("Xsens", |drive| drive.of_driver("/xsens/imu", None)),
+    FrameWorld::wrong("Xsens NWU", DRIVER, |drive| {
         drive.of_driver("/xsens/imu", Some(Error::ZeroNorth))
     }),
-    Made::healthy("VectorNav", |drive| drive.of_driver("/vectornav/imu", None)),
-    Made::wrong("VectorNav NED/FRD", NED, |drive| {
+    FrameWorld::healthy("VectorNav", |drive| drive.of_driver("/vectornav/imu", None)),
+    FrameWorld::wrong("VectorNav NED/FRD", NED, |drive| {
         drive.of_driver("/vectornav/imu", Some(Error::NedFrd))
     }),
-    Made::wrong("VectorNav NED quat.", NED, |drive| {
+    FrameWorld::wrong("VectorNav NED quat.", NED, |drive| {
         drive.of_driver("/vectornav/imu", Some(Error::NedOrientation))
     }),
-    Made::wrong("VectorNav RFU", TURNED, |drive| {
+    FrameWorld::wrong("VectorNav RFU", TURNED, |drive| {
         drive.of_driver("/vectornav/imu", Some(Error::YForward))
     }),
-    Made::healthy("MAVROS", |drive| drive.of_driver("/mavros/imu/data", None)),
+    FrameWorld::healthy("MAVROS", |drive| drive.of_driver("/mavros/imu/data", None)),
     // Simulators.
-    Made::healthy("CARLA", |drive| {
+    FrameWorld::healthy("CARLA", |drive| {
         drive.simulated("/carla/ego_vehicle/odometry", &[], true)
     }),
-    Made::wrong("CARLA left-handed", LEFT, |drive| {
+    FrameWorld::wrong("CARLA left-handed", LEFT, |drive| {
         drive.simulated("/carla/ego_vehicle/odometry", &[Error::LeftHanded], true)
     }),
-    Made::healthy("Unity, no fixes", |drive| drive.simulated("/unity/odom", &[], false)),
-    Made::wrong("Unity left-handed", LEFT, |drive| {
+    FrameWorld::healthy("Unity, no fixes", |drive| drive.simulated("/unity/odom", &[], false)),
+    FrameWorld::wrong("Unity left-handed", LEFT, |drive| {
         drive.simulated("/unity/odom", &[Error::LeftHanded], false)
     }),
 ];

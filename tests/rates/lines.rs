@@ -3,7 +3,7 @@
 use crate::drives::Kind;
 use crate::faults::{Fault, IMU, ODOMETRY};
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
-use crate::table::{ALL, Asked, Reference, Table};
+use crate::table::{ALL, AnswerKey, Reference, Table};
 use crate::{cloud_lines, frame_lines, place_lines};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
@@ -31,7 +31,7 @@ const CAR: Kind = Kind {
 };
 
 /// A line of a simulation that others made: its motion, its length, and the share that was right.
-type Simulated = (Motion, u32, f64, &'static str);
+type SimulatedLine = (Motion, u32, f64, &'static str);
 
 /// How many trials of each line the simulations have.
 const S1: u32 = 60;
@@ -47,7 +47,7 @@ fn simulated(
     subject: &'static str,
     of: Kind,
     faults: &[Fault],
-    (trials, lines): (u32, &[Simulated]),
+    (trials, lines): (u32, &[SimulatedLine]),
 ) {
     for (motion, seconds, right, words) in lines {
         for fault in faults {
@@ -58,7 +58,7 @@ fn simulated(
             };
             table.ask(
                 kind,
-                &Asked {
+                &AnswerKey {
                     group,
                     rule,
                     subject,
@@ -190,9 +190,9 @@ fn times(table: &mut Table) {
 }
 
 /// A rule, its subject, what its line without a fault is called, and the faults that show in it.
-type Shows = (&'static str, &'static str, &'static str, &'static [Fault]);
+type RuleFaults = (&'static str, &'static str, &'static str, &'static [Fault]);
 
-const SHOWS: &[Shows] = &[
+const SHOWS: &[RuleFaults] = &[
     (
         "AXES01",
         "acceleration of",
@@ -372,7 +372,7 @@ fn rules(table: &mut Table) {
                 for kind in kinds.iter().filter(|kind| shows_to(rule, **kind, *fault)) {
                     table.ask(
                         *kind,
-                        &Asked {
+                        &AnswerKey {
                             group,
                             rule,
                             subject,
@@ -391,7 +391,7 @@ fn rules(table: &mut Table) {
             for kind in kinds.iter().filter(|kind| shows(**kind, fault)) {
                 table.ask(
                     *kind,
-                    &Asked {
+                    &AnswerKey {
                         group,
                         rule: ALL,
                         subject: "",

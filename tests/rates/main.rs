@@ -141,10 +141,10 @@ fn frames_made_in_memory_are_those_of_recordings() {
     let read = support::evidence(recipe);
     let messages = kind.messages(4);
     let made = [
-        Fault::Made("stand-in"),
-        Fault::Made("poses"),
+        Fault::FrameWorld("stand-in"),
+        Fault::FrameWorld("poses"),
         Fault::Healthy,
-        Fault::Made("lidar"),
+        Fault::FrameWorld("lidar"),
     ];
     let made = made.map(|fault| messages.world(fault).bags[0].clone());
     let poses = |rows: &Series<frames_lint::world::motion::PoseRow>| -> Vec<f64> {

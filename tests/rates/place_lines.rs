@@ -13,7 +13,7 @@ use crate::support;
 use crate::support::drive::Place;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::support::drive::errors::slots;
-use crate::table::{ALL, Asked, Table};
+use crate::table::{ALL, AnswerKey, Table};
 
 /// What is recorded of a drive, and what is wrong with it.
 #[derive(Debug)]
@@ -69,9 +69,9 @@ const HEADING_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/heading`");
 const IMU_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/imu`");
 const POSE_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/pose`");
 
-type Asks = &'static [(&'static str, &'static str)];
+type Subjects = &'static [(&'static str, &'static str)];
 
-const fn healthy(name: &'static str, topics: &'static [&'static str], says: Asks, asked: Asks) -> Scene {
+const fn healthy(name: &'static str, topics: &'static [&'static str], says: Subjects, asked: Subjects) -> Scene {
     Scene {
         name,
         is_healthy: true,
@@ -85,9 +85,9 @@ const fn healthy(name: &'static str, topics: &'static [&'static str], says: Asks
 const fn faulty(
     name: &'static str,
     topics: &'static [&'static str],
-    says: Asks,
+    says: Subjects,
     relations: &'static [&'static str],
-    asked: Asks,
+    asked: Subjects,
 ) -> Scene {
     Scene {
         name,
@@ -100,7 +100,7 @@ const fn faulty(
 }
 
 /// Nothing but their words names two origins, and a compass in an inertial sensor has other names in other rules.
-const fn told(scene: &Scene, texts: &'static [&'static str]) -> Scene {
+const fn with_texts(scene: &Scene, texts: &'static [&'static str]) -> Scene {
     Scene {
         names: (scene.names.0, texts),
         ..*scene
@@ -245,7 +245,7 @@ pub const SCENES: &[Scene] = &[
         &[("$pose", ", datum: $mid, errors: [altitude_as_z]")],
         &[UNTOLD_PLANE],
     ),
-    told(
+    with_texts(
         &faulty(
             "altitude as z",
             &[EARTH, FIX, POSE],
@@ -311,7 +311,7 @@ pub const SCENES: &[Scene] = &[
         &[MAP_HEIGHT],
     ),
     // Origins.
-    told(
+    with_texts(
         &faulty(
             "origin 30 m off",
             &[EARTH, FIX, ORIGIN],
@@ -321,7 +321,7 @@ pub const SCENES: &[Scene] = &[
         ),
         TWO_ORIGINS,
     ),
-    told(
+    with_texts(
         &faulty(
             "origin 0.3 m off",
             &[EARTH, FIX, ORIGIN],
@@ -331,7 +331,7 @@ pub const SCENES: &[Scene] = &[
         ),
         TWO_ORIGINS,
     ),
-    told(
+    with_texts(
         &faulty(
             "origin at msl",
             &[EARTH, FIX, ORIGIN],
@@ -342,7 +342,7 @@ pub const SCENES: &[Scene] = &[
         // The least of the undulations, which an error of height may be as well.
         &["put the origin 2.97 m apart"],
     ),
-    told(
+    with_texts(
         &faulty(
             "map 40 m off",
             &[EARTH, FIX, POSE],
@@ -352,7 +352,7 @@ pub const SCENES: &[Scene] = &[
         ),
         TWO_ORIGINS,
     ),
-    told(
+    with_texts(
         &faulty(
             "map 40 m off, topic",
             &[FIX, POSE, ORIGIN],
@@ -471,7 +471,7 @@ pub const SCENES: &[Scene] = &[
         COMPASS,
         &[HEADING_YAW],
     ),
-    told(
+    with_texts(
         &faulty(
             "compass, IMU",
             &[IMU, NMEA],
@@ -661,7 +661,7 @@ fn ask(
         for kind in kinds {
             table.ask(
                 *kind,
-                &Asked {
+                &AnswerKey {
                     group,
                     rule,
                     subject,

@@ -9,7 +9,7 @@ use frames_lint::verdict::Finding;
 use rayon::prelude::*;
 
 use crate::answers::{self, Answer};
-use crate::cloud_worlds::{self, Shared};
+use crate::cloud_worlds::{self, DriveCache};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::deference;
@@ -91,7 +91,7 @@ pub struct Table {
 
 /// What came of one drive.
 #[derive(Default)]
-struct Answered {
+struct DriveResult {
     answers: Vec<(usize, Answer)>,
     silent: Vec<String>,
     healthy: usize,
@@ -104,7 +104,7 @@ fn is_unexplained(finding: &Finding) -> bool {
 
 /// Where an answer is counted.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct AnswerKey {
     pub group: &'static str,
     pub rule: &'static str,
     pub subject: &'static str,
@@ -118,7 +118,7 @@ pub struct Asked {
 
 impl Table {
     /// Asks a question of a kind of drive.
-    pub fn ask(&mut self, kind: Kind, asked: &Asked) {
+    pub fn ask(&mut self, kind: Kind, asked: &AnswerKey) {
         let drive = if asked.pooled {
             format!("{:<8}{:<9}{:>4} s  various", "all", motion(kind.motion), kind.seconds)
         } else {
@@ -202,16 +202,16 @@ impl Table {
         }
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
         let first = seeds.start;
-        let answered = |(drives, seed): &(usize, u64)| -> Answered {
+        let answered = |(drives, seed): &(usize, u64)| -> DriveResult {
             let Drives { kind, cells } = &self.drives[*drives];
             let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
             let messages = LazyCell::new(|| kind.messages(*seed));
-            let mut answered = Answered::default();
-            let shared = Shared::default();
+            let mut answered = DriveResult::default();
+            let shared = DriveCache::default();
             for cell in cells {
                 let (rules, world, truth) = match cell.fault {
                     Fault::Cloud(name) => {
-                        let world = cloud_worlds::seen(name).world(&messages, &shared);
+                        let world = cloud_worlds::world_named(name).world(&messages, &shared);
                         (&sensing, world, cell.fault)
                     }
                     Fault::Place(name) => (&rules, place_lines::scene(name).world(*kind, *seed), cell.fault),

@@ -95,14 +95,14 @@ fn of_one_topic(kinds: &BTreeSet<Kind>) -> Vec<&Kind> {
 
 /// Which values of a kind are altered.
 #[derive(Clone, Copy, Debug)]
-enum Which {
+enum ValueChoice {
     First,
     Within,
     All,
 }
 
 /// Alters the values of a kind.
-fn alter(value: &mut Value, at: &[Step], which: Which, make: &dyn Fn(&Value) -> Value) {
+fn alter(value: &mut Value, at: &[Step], which: ValueChoice, make: &dyn Fn(&Value) -> Value) {
     match (at.split_first(), value) {
         (None, value) => *value = make(value),
         (Some((Step::Key(key), rest)), Value::Object(fields)) => {
@@ -114,9 +114,9 @@ fn alter(value: &mut Value, at: &[Step], which: Which, make: &dyn Fn(&Value) -> 
             let count = all.len();
             for (index, inner) in all.iter_mut().enumerate() {
                 let is_meant = match which {
-                    Which::First => index == 0,
-                    Which::Within => index == count / 2,
-                    Which::All => true,
+                    ValueChoice::First => index == 0,
+                    ValueChoice::Within => index == count / 2,
+                    ValueChoice::All => true,
                 };
                 if is_meant {
                     alter(inner, rest, which, make);
@@ -163,10 +163,10 @@ fn drive() -> Value {
 }
 
 /// A way to alter a value.
-type Make = fn(&Value) -> Value;
+type Alteration = fn(&Value) -> Value;
 
 /// Stamps, which may be negative, and counts.
-const WHOLE: [Make; 5] = [
+const WHOLE: [Alteration; 5] = [
     |_| json!(0),
     |_| json!(i64::MAX),
     |value| {
@@ -187,7 +187,7 @@ const WHOLE: [Make; 5] = [
 ];
 
 /// Numbers with a point.
-const REAL: [Make; 7] = [
+const REAL: [Alteration; 7] = [
     |_| json!("nan"),
     |_| json!("inf"),
     |_| json!("-inf"),
@@ -198,7 +198,7 @@ const REAL: [Make; 7] = [
 ];
 
 /// Lists.
-const LIST: [Make; 4] = [
+const LIST: [Alteration; 4] = [
     |value| relisted(value, |_| Vec::new()),
     |value| relisted(value, |all| all.iter().take(1).cloned().collect()),
     |value| relisted(value, |all| all.iter().rev().cloned().collect()),
@@ -210,17 +210,19 @@ const LIST: [Make; 4] = [
 ];
 
 /// What is altered: where, in which way, and how much of it.
-type Job<'k> = (&'k Kind, usize, Make, Which);
+type Job<'k> = (&'k Kind, usize, Alteration, ValueChoice);
 
 /// Every alteration of every kind, or a part of them.
 fn jobs(found: &[BTreeSet<Kind>; 3], all: bool) -> Vec<Job<'_>> {
-    let makes: [&[Make]; 3] = [&WHOLE, &REAL, &LIST];
+    let makes: [&[Alteration]; 3] = [&WHOLE, &REAL, &LIST];
     let mut jobs: Vec<Job<'_>> = Vec::new();
     for (kinds, makes) in found.iter().zip(makes) {
-        let ways: Vec<(usize, Make, Which)> = makes
+        let ways: Vec<(usize, Alteration, ValueChoice)> = makes
             .iter()
             .enumerate()
-            .flat_map(|(number, make)| [Which::First, Which::Within, Which::All].map(|which| (number, *make, which)))
+            .flat_map(|(number, make)| {
+                [ValueChoice::First, ValueChoice::Within, ValueChoice::All].map(|which| (number, *make, which))
+            })
             .collect();
         let kinds: Vec<&Kind> = if all {
             kinds.iter().collect()

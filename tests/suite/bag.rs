@@ -6,8 +6,8 @@ use std::cell::RefCell;
 
 use crate::support;
 use crate::support::{edge, evidence, names};
-use frames_lint::collect::{How, collect};
-use frames_lint::source::{At, MessageRef, ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::collect::{CollectOptions, collect};
+use frames_lint::source::{MessageRef, ReadStatus, Source, SourceId, SourceKind, SourcePart};
 use frames_lint::world::{FrameId, FrameRole};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
@@ -172,7 +172,7 @@ fn frames_are_used_once_for_each_name_role_and_topic() {
         ("wheel", FrameRole::TfChild, 50),
     ];
     assert_eq!(uses, expected);
-    let At::Message(first) = &collected.facts.frames[1].place.at else {
+    let SourcePart::Message(first) = &collected.facts.frames[1].place.at else {
         panic!()
     };
     assert_eq!(
@@ -251,7 +251,7 @@ fn progress_reaches_the_end() {
     let size = std::fs::metadata(&path).unwrap().len();
     let calls = RefCell::new(Vec::new());
     let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Mcap);
-    collect(&path, &How::default(), &mut source, &|done, total| {
+    collect(&path, &CollectOptions::default(), &mut source, &|done, total| {
         calls.borrow_mut().push((done, total));
     });
     assert_eq!(calls.into_inner().last(), Some(&(size, size)));

@@ -262,7 +262,7 @@ fn what_stands_inside_messages_is_evidence_of_its_own() {
     assert!(member.guessed && (fixes.samples[0].altitude_m - 500.0).abs() < 30.0);
     assert_eq!(member.content.motion.fixes.as_ref().unwrap().rows().count(), 50);
     // The topic itself, and the one member.
-    let said: Vec<String> = bag.topics["/gps"].said().map(|said| said.subject()).collect();
+    let said: Vec<String> = bag.topics["/gps"].contents().map(|said| said.subject()).collect();
     assert_eq!(
         said,
         ["topic `/gps`", "topic `/gps` (field `latitude, longitude, altitude`)"]
@@ -433,7 +433,7 @@ fn metadata_records_and_attachments_are_kept_by_name() {
 
 #[test]
 fn metadata_is_found_by_the_index_too() {
-    use frames_lint::collect::{How, collect};
+    use frames_lint::collect::{CollectOptions, collect};
     use frames_lint::read::bag::Sampling;
     use frames_lint::source::{Source, SourceId, SourceKind};
 
@@ -452,9 +452,9 @@ fn metadata_is_found_by_the_index_too() {
     let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Mcap);
     let collected = collect(
         &path,
-        &How {
+        &CollectOptions {
             sampling: Some(sampling),
-            ..How::default()
+            ..CollectOptions::default()
         },
         &mut source,
         &|_, _| {},

@@ -396,7 +396,7 @@ fn messages_lost_without_a_trace_are_missed() {
         broken[chunk] = 0x86;
         let (source, collected) = support::collected(&broken);
         assert!(bag(&collected).messages < MESSAGES && bag(&collected).truncated);
-        let told = source.problems.iter().any(|problem| problem.message.contains(lost));
-        assert!(source.status == ReadStatus::Partial && told, "{source:?}");
+        let is_reported = source.problems.iter().any(|problem| problem.message.contains(lost));
+        assert!(source.status == ReadStatus::Partial && is_reported, "{source:?}");
     }
 }

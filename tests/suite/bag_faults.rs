@@ -8,7 +8,7 @@ use std::fs;
 
 use crate::support;
 use frames_lint::run::{FailOn, Run};
-use frames_lint::source::{At, Confidence, ReadStatus};
+use frames_lint::source::{Confidence, ReadStatus, SourcePart};
 use frames_lint::verdict::{Finding, Outcome, Severity};
 
 /// A car that drives a wide left turn: dynamic TF at 50 Hz, an IMU at 100 Hz, GNSS at 1 Hz, a lidar at 10 Hz.
@@ -362,7 +362,7 @@ pub(crate) fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
 /// A finding in one line: rule, severity, topic and relation.
 pub(crate) fn describe(finding: &Finding) -> String {
     let topic = match &finding.places[0].place.at {
-        At::Message(message) => message.topic.clone(),
+        SourcePart::Message(message) => message.topic.clone(),
         other => format!("{other:?}"),
     };
     let relation = finding

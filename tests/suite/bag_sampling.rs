@@ -14,9 +14,9 @@ use std::path::Path;
 use crate::support;
 use crate::support::damage::cut;
 use crate::support::{bag, build, edge, names};
-use frames_lint::collect::{Collected, How, collect};
+use frames_lint::collect::{CollectOptions, Collection, collect};
 use frames_lint::engine;
-use frames_lint::read::bag::{Carried, Sampling};
+use frames_lint::read::bag::{RunExtension, Sampling};
 use frames_lint::source::{Confidence, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::verdict::Severity;
 
@@ -46,12 +46,12 @@ const SAMPLING: Sampling = Sampling {
     carried: None,
 };
 
-fn read(bytes: &[u8], sampling: Option<Sampling>) -> (Source, Collected) {
+fn read(bytes: &[u8], sampling: Option<Sampling>) -> (Source, Collection) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     std::fs::write(&path, bytes).unwrap();
     let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Mcap);
-    let mut how = How::default();
+    let mut how = CollectOptions::default();
     how.sampling = sampling;
     let collected = collect(&path, &how, &mut source, &|_, _| {});
     (source, collected)
@@ -126,7 +126,7 @@ topics:
   - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: lidar, xyz: [0, 0, 1.8], lidar: {beams: 8, columns: 180, driver: velodyne}}
 ",
     );
-    let runs = |carried: Option<Carried>| -> Vec<usize> {
+    let runs = |carried: Option<RunExtension>| -> Vec<usize> {
         let sampling = Sampling {
             bytes: 100_000,
             carried,
@@ -138,7 +138,7 @@ topics:
     };
     let without = runs(None);
     assert!(without.iter().all(|length| *length < 4), "{without:?}");
-    let with = runs(Some(Carried {
+    let with = runs(Some(RunExtension {
         runs: 5,
         bytes: 10 << 20,
     }));

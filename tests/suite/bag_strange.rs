@@ -8,13 +8,13 @@ use crate::support;
 use crate::support::bag;
 use crate::support::encode::{Body, Endian, Header, Transform};
 use crate::support::raw::{Layout, RawChannel, in_memory};
-use frames_lint::collect::Collected;
+use frames_lint::collect::Collection;
 use frames_lint::engine::Rules;
 use frames_lint::source::{ReadStatus, Source};
 use frames_lint::world::World;
 
 /// A recording with one channel and these messages, one a second.
-fn one_topic(channel: &RawChannel<'_>, messages: &[Vec<u8>]) -> (Source, Collected) {
+fn one_topic(channel: &RawChannel<'_>, messages: &[Vec<u8>]) -> (Source, Collection) {
     support::collected(&in_memory(Layout::default(), |out| {
         let id = out.channel(channel);
         for (second, message) in (0..).zip(messages) {

@@ -9,11 +9,11 @@ use std::path::Path;
 
 use crate::support::{self, deference};
 use crate::{evidence, fixes, views};
-use frames_lint::engine::{self, Options, Sights, Verdicts};
+use frames_lint::engine::{self, Options, Retention, VerdictScope};
 use frames_lint::page::{self, Block, Page};
 use frames_lint::rules::RULES;
 use frames_lint::run::Run;
-use frames_lint::source::{At, LineIndex};
+use frames_lint::source::{LineIndex, SourcePart};
 use frames_lint::verdict::{Finding, Outcome, PlaceRole, Severity};
 use frames_lint::world::World;
 use rayon::prelude::*;
@@ -84,8 +84,8 @@ pub(crate) fn worlds(case: &Case<'_>) -> Vec<World> {
     let folder = laid_out(case);
     let options = Options {
         paths: vec![folder.path().to_path_buf()],
-        verdicts: Verdicts::One,
-        sights: Sights::Everything,
+        verdicts: VerdictScope::One,
+        sights: Retention::Everything,
         ..Options::default()
     };
     engine::check(&options).unwrap().seen
@@ -122,7 +122,7 @@ fn describe(run: &Run, folder: &Path, finding: &Finding, line: &str) -> String {
     let mut text = format!("{} {} {file}", finding.severity.word(), finding.confidence.word());
     if line.split_whitespace().nth(2).is_some_and(|place| place.contains(':')) {
         match &primary.place.at {
-            At::Text(span) => {
+            SourcePart::Text(span) => {
                 let at = LineIndex::new(&source.text).locate(&source.text, span.start);
                 write!(text, ":{}", at.line).unwrap();
             }
@@ -132,7 +132,7 @@ fn describe(run: &Run, folder: &Path, finding: &Finding, line: &str) -> String {
     for word in line.split_whitespace().skip(3) {
         if word.starts_with("topic=") {
             let topic = match &primary.place.at {
-                At::Message(message) => message.topic.as_str(),
+                SourcePart::Message(message) => message.topic.as_str(),
                 _ => "-",
             };
             write!(text, " topic={topic}").unwrap();
@@ -255,13 +255,13 @@ fn check_not_evaluated(page: &Page, case: &Case<'_>, run: &Run, faults: &mut Vec
 }
 
 /// A case, with the page and the section that it is of.
-struct Asked {
+struct PageCase {
     page: &'static Page,
     section: &'static str,
     case: Case<'static>,
 }
 
-impl Asked {
+impl PageCase {
     fn faults(&self) -> Vec<String> {
         let (page, case) = (self.page, &self.case);
         let mut faults = Vec::new();
@@ -274,7 +274,7 @@ impl Asked {
         }
         evidence::is_the_same(&[folder], &format!("{} {}", page.code, case.title), Some(&run));
         if self.section == "Bad" {
-            let looked_at = views::looked_at(folder, Verdicts::One);
+            let looked_at = views::looked_at(folder, VerdictScope::One);
             faults.extend(views::unseen(page, &case.title, &looked_at));
             // No reason points at a rule that is silent.
             let dangling = looked_at.seen.iter().flat_map(deference::faults);
@@ -286,14 +286,14 @@ impl Asked {
     }
 }
 
-fn asked(page: &'static Page, faults: &mut Vec<String>) -> Vec<Asked> {
+fn asked(page: &'static Page, faults: &mut Vec<String>) -> Vec<PageCase> {
     let mut all = Vec::new();
     for section in page::sections(page.body) {
         if !["Bad", "Good", "Not evaluated"].contains(&section.title) {
             continue;
         }
         let known = all.len();
-        let of = |case| Asked {
+        let of = |case| PageCase {
             page,
             section: section.title,
             case,
@@ -317,7 +317,7 @@ fn every_page_gives_what_it_says() {
         all.extend(asked(page, &mut faults));
     }
     assert!(all.len() > 500 || !only.is_empty(), "{}", all.len());
-    faults.extend(all.par_iter().flat_map_iter(Asked::faults).collect::<Vec<_>>());
+    faults.extend(all.par_iter().flat_map_iter(PageCase::faults).collect::<Vec<_>>());
     faults.sort();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support;
-use crate::support::program::{Ran, run};
+use crate::support::program::{CallResult, run};
 
 const NED: &str = "\
 duration_s: 60
@@ -29,12 +29,12 @@ fn folder(configuration: Option<&str>) -> tempfile::TempDir {
     folder
 }
 
-fn check(folder: &Path, arguments: &[&str]) -> Ran {
+fn check(folder: &Path, arguments: &[&str]) -> CallResult {
     run(folder, [&["check", "--format", "json"], arguments].concat())
 }
 
 /// Paths of the inputs, and the rules that found errors.
-fn said(ran: &Ran) -> (Vec<String>, Vec<String>) {
+fn said(ran: &CallResult) -> (Vec<String>, Vec<String>) {
     let report = ran.report();
     let texts = |list: &str, key: &str| -> Vec<String> {
         let items = report[list].as_array().unwrap().iter();
@@ -131,7 +131,7 @@ fn robot(folder: &Path) {
 }
 
 /// The rules that found something, with the folder of the robot in which they found it.
-fn found(ran: &Ran) -> Vec<String> {
+fn found(ran: &CallResult) -> Vec<String> {
     let report = ran.report();
     let findings = report["findings"].as_array().unwrap().iter();
     let mut found: Vec<String> = findings
@@ -301,7 +301,7 @@ fn the_settings_of_a_file_are_shown() {
 const OUSTER: &str = r#"{"prod_line": "OS-1-64", "image_rev": "ousteros-image-prod-aries-v2.4.0", "lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1]}"#;
 
 /// Rows of SENSOR02 with their outcome.
-fn of_the_ouster(ran: &Ran) -> Vec<String> {
+fn of_the_ouster(ran: &CallResult) -> Vec<String> {
     let report = ran.report();
     let rows = report["outcomes"].as_array().unwrap().iter();
     let of = rows.filter(|row| row["rule"] == "SENSOR02");

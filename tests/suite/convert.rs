@@ -4,8 +4,8 @@
 
 use std::fs;
 
-use frames_lint::convert::{Wish, feather_from_csv};
-use frames_lint::tables::{Tables, Writing, writings};
+use frames_lint::convert::{ConvertRequest, feather_from_csv};
+use frames_lint::tables::{FileTemplate, Tables, writings};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::support::dialects::{converted, frames, plain, read, to, written};
@@ -66,11 +66,11 @@ fn every_dialect_is_read_again_as_it_was_written() {
                         (target.as_str(), source.as_str(), pose)
                     };
                     let run = read(&plain(folder.path(), &[link]));
-                    let wish = Wish {
+                    let wish = ConvertRequest {
                         to: writing.dialect.clone(),
                         frames: Some((target.clone(), source.clone())),
                         key: Some(transform.key.clone()),
-                        ..Wish::default()
+                        ..ConvertRequest::default()
                     };
                     let converted = to(&run, &wish).unwrap_or_else(|why| panic!("{what}: {why}"));
                     assert!(
@@ -81,10 +81,10 @@ fn every_dialect_is_read_again_as_it_was_written() {
                     let again = tempfile::tempdir().unwrap();
                     let path = written(again.path(), writing, transform, &converted.text);
                     let run = read(&path);
-                    let wish = Wish {
+                    let wish = ConvertRequest {
                         to: "quaternion".to_owned(),
                         frames: Some((target.clone(), source.clone())),
-                        ..Wish::default()
+                        ..ConvertRequest::default()
                     };
                     match to(&run, &wish) {
                         Ok(back) if is_near(&pose_of(&back.text), &pose) => {}
@@ -124,7 +124,7 @@ fn a_dialect_is_recognised_by_what_is_written() {
 #[test]
 fn any_dialect_becomes_any_other_and_comes_back() {
     // Those that hold an IMU and a camera, by whatever names.
-    let holds = |writing: &&Writing| {
+    let holds = |writing: &&FileTemplate| {
         [
             "kalibr",
             "openvins",
@@ -141,7 +141,7 @@ fn any_dialect_becomes_any_other_and_comes_back() {
         ]
         .contains(&writing.dialect.as_str())
     };
-    let all: Vec<&Writing> = writings().iter().filter(holds).collect();
+    let all: Vec<&FileTemplate> = writings().iter().filter(holds).collect();
     assert_eq!(all.len(), 12);
     let pose = poses()[0];
     for one in &all {
@@ -149,9 +149,9 @@ fn any_dialect_becomes_any_other_and_comes_back() {
         let run = read(&plain(folder.path(), &[("imu", "cam0", pose)]));
         let first = to(
             &run,
-            &Wish {
+            &ConvertRequest {
                 to: one.dialect.clone(),
-                ..Wish::default()
+                ..ConvertRequest::default()
             },
         )
         .unwrap();
@@ -161,9 +161,9 @@ fn any_dialect_becomes_any_other_and_comes_back() {
             let what = format!("{} to {}", one.dialect, other.dialect);
             let second = to(
                 &run,
-                &Wish {
+                &ConvertRequest {
                     to: other.dialect.clone(),
-                    ..Wish::default()
+                    ..ConvertRequest::default()
                 },
             )
             .unwrap_or_else(|why| panic!("{what}: {why}"));
@@ -172,9 +172,9 @@ fn any_dialect_becomes_any_other_and_comes_back() {
             // Back to names of its own: R-VIO's direction.
             let third = to(
                 &run,
-                &Wish {
+                &ConvertRequest {
                     to: "r-vio".to_owned(),
-                    ..Wish::default()
+                    ..ConvertRequest::default()
                 },
             )
             .unwrap_or_else(|why| panic!("{what}: {why}"));
@@ -182,10 +182,10 @@ fn any_dialect_becomes_any_other_and_comes_back() {
             fs::write(&last, third.text).unwrap();
             let back = to(
                 &read(&last),
-                &Wish {
+                &ConvertRequest {
                     to: "quaternion".to_owned(),
                     frames: Some(("imu".to_owned(), "cam0".to_owned())),
-                    ..Wish::default()
+                    ..ConvertRequest::default()
                 },
             )
             .unwrap();
@@ -200,10 +200,10 @@ fn chains_lead_over_several_files_and_are_printed() {
     let [a, b, _] = poses();
     let path = plain(folder.path(), &[("base", "imu", a), ("lidar", "imu", b)]);
     let run = read(&path);
-    let wish = |form: &str| Wish {
+    let wish = |form: &str| ConvertRequest {
         to: form.to_owned(),
         frames: Some(("base".to_owned(), "lidar".to_owned())),
-        ..Wish::default()
+        ..ConvertRequest::default()
     };
     let expected = a * b.inverse();
     let quaternion = to(&run, &wish("quaternion")).unwrap();
@@ -251,9 +251,9 @@ fn a_table_of_argoverse_becomes_a_feather_file() {
     let run = read(&plain(folder.path(), &[("egovehicle", "up_lidar", pose)]));
     let converted = to(
         &run,
-        &Wish {
+        &ConvertRequest {
             to: "argoverse2".to_owned(),
-            ..Wish::default()
+            ..ConvertRequest::default()
         },
     )
     .unwrap();
@@ -264,9 +264,9 @@ fn a_table_of_argoverse_becomes_a_feather_file() {
     assert_eq!(run.sources[0].detail.as_deref(), Some("extrinsics of Argoverse 2"));
     let back = to(
         &run,
-        &Wish {
+        &ConvertRequest {
             to: "quaternion".to_owned(),
-            ..Wish::default()
+            ..ConvertRequest::default()
         },
     )
     .unwrap();
@@ -279,9 +279,9 @@ fn transforms_under_one_key_are_put_together() {
     let [a, b, _] = poses();
     let links = [("base_link", "lidar", a), ("base_link", "camera", b)];
     let run = read(&plain(folder.path(), &links));
-    let wish = |to: &str| Wish {
+    let wish = |to: &str| ConvertRequest {
         to: to.to_owned(),
-        ..Wish::default()
+        ..ConvertRequest::default()
     };
     let text = to(&run, &wish("autoware")).unwrap().text;
     assert_eq!(text.matches("base_link:").count(), 1, "{text}");
@@ -289,7 +289,7 @@ fn transforms_under_one_key_are_put_together() {
     fs::write(&path, text).unwrap();
     let run = read(&path);
     for (target, source, pose) in links {
-        let asked = Wish {
+        let asked = ConvertRequest {
             frames: Some((target.to_owned(), source.to_owned())),
             ..wish("quaternion")
         };
@@ -301,40 +301,40 @@ fn transforms_under_one_key_are_put_together() {
 fn what_cannot_be_converted_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let run = read(&plain(folder.path(), &[("base", "imu", poses()[0])]));
-    let why = |wish: Wish| to(&run, &wish).unwrap_err();
+    let why = |wish: ConvertRequest| to(&run, &wish).unwrap_err();
     let frames = |target: &str, source: &str| Some((target.to_owned(), source.to_owned()));
-    let unknown = why(Wish {
+    let unknown = why(ConvertRequest {
         to: "urdf".to_owned(),
         frames: frames("base", "radar"),
-        ..Wish::default()
+        ..ConvertRequest::default()
     });
     assert!(
         unknown.contains("no chain of transforms leads") && unknown.contains("base, imu"),
         "{unknown}"
     );
-    let nothing = why(Wish {
+    let nothing = why(ConvertRequest {
         to: "orb-slam3".to_owned(),
-        ..Wish::default()
+        ..ConvertRequest::default()
     });
     assert!(nothing.contains("--frames"), "{nothing}");
-    let many = why(Wish {
+    let many = why(ConvertRequest {
         to: "orb-slam3".to_owned(),
         frames: frames("base", "imu"),
-        ..Wish::default()
+        ..ConvertRequest::default()
     });
     assert!(many.contains("--key") && many.contains("IMU.T_b_c1"), "{many}");
     // A statement without frames is converted once the user says what it is.
     let path = folder.path().join("open.yaml");
     fs::write(&path, "extrinsic: [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]\n").unwrap();
     let run = read(&path);
-    let wish = Wish {
+    let wish = ConvertRequest {
         to: "quaternion".to_owned(),
-        ..Wish::default()
+        ..ConvertRequest::default()
     };
     assert!(to(&run, &wish).unwrap_err().contains("--is"));
     let told = to(
         &run,
-        &Wish {
+        &ConvertRequest {
             is: frames("imu", "lidar"),
             ..wish
         },

@@ -9,7 +9,7 @@ use frames_lint::math::relation::{Relation, Tolerance, classify};
 use frames_lint::math::rotation::to_rpy;
 use frames_lint::run::Run;
 use frames_lint::source::{Confidence, ReadStatus};
-use frames_lint::tables::{Writing, WrittenTransform, writings};
+use frames_lint::tables::{FileTemplate, TransformTemplate, writings};
 use frames_lint::verdict::{Finding, Outcome};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
@@ -30,7 +30,11 @@ const RULES: [&str; 8] = [
 ];
 
 /// A URDF with the truth beside a file of the dialect with something else.
-pub(crate) fn folder_of(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>) -> tempfile::TempDir {
+pub(crate) fn folder_of(
+    writing: &FileTemplate,
+    transform: &TransformTemplate,
+    held: Isometry3<f64>,
+) -> tempfile::TempDir {
     let (target, source) = frames(writing, transform);
     let folder = tempfile::tempdir().unwrap();
     let pose = truth();
@@ -47,7 +51,7 @@ pub(crate) fn folder_of(writing: &Writing, transform: &WrittenTransform, held: I
 }
 
 /// What is said of [`folder_of`], and the text of the file.
-fn judged(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>) -> (Run, String) {
+fn judged(writing: &FileTemplate, transform: &TransformTemplate, held: Isometry3<f64>) -> (Run, String) {
     let folder = folder_of(writing, transform, held);
     let text = converted(writing, transform, held).text;
     let run = engine::check(&engine::Options {
@@ -59,7 +63,7 @@ fn judged(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>)
     (run, text)
 }
 
-fn told(run: &Run) -> Vec<String> {
+fn statements(run: &Run) -> Vec<String> {
     let of = |finding: &Finding| format!("{} {:?}: {}", finding.rule, finding.relation, finding.message);
     run.verdict.findings.iter().map(of).collect()
 }
@@ -81,7 +85,7 @@ fn a_healthy_file_of_any_dialect_agrees_with_the_description() {
                     "{} {}: read {is_read}, compared {compared}, {:?}\n{text}",
                     writing.dialect,
                     transform.key,
-                    told(&run)
+                    statements(&run)
                 ));
             }
         }
@@ -127,7 +131,7 @@ fn every_error_in_a_file_of_any_dialect_is_named_or_its_class_is() {
                         writing.dialect,
                         transform.key,
                         error.word(),
-                        told(&run)
+                        statements(&run)
                     ));
                 }
             }
@@ -223,7 +227,7 @@ fn errors_beside_a_healthy_file_of_another_dialect_are_named() {
                 if !compared || !is_right {
                     wrong.push(format!(
                         "{name} beside {partner}, {error:?}: compared {compared}, {:?}",
-                        told(&run)
+                        statements(&run)
                     ));
                 }
             }
@@ -276,7 +280,7 @@ fn errors_in_the_arguments_of_a_static_transform_publisher_are_named_for_sure() 
             .iter()
             .map(|error| (Some(error.word()), Confidence::Certain))
             .collect();
-        assert_eq!(found, expected, "{error:?}: {:?}", told(&run));
+        assert_eq!(found, expected, "{error:?}: {:?}", statements(&run));
     }
 }
 

@@ -9,7 +9,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::support;
-use crate::support::program::{Ran, run};
+use crate::support::program::{CallResult, run};
 
 /// Fixed joints `(parent, child, xyz, rpy)`.
 type Joint<'a> = (&'a str, &'a str, &'a str, &'a str);
@@ -49,7 +49,7 @@ fn diff(before: &str, after: &str) -> (i32, Value) {
     document(&run(folder.path(), ["diff", "--format", "json", "a.urdf", "b.urdf"]))
 }
 
-fn document(ran: &Ran) -> (i32, Value) {
+fn document(ran: &CallResult) -> (i32, Value) {
     assert_eq!(ran.err, "");
     (ran.code, serde_json::from_slice(&ran.out).unwrap())
 }

@@ -282,7 +282,7 @@ fn documents_and_paths_are_judged_side_by_side() {
     }
 }
 
-fn program(folder: &Path, arguments: &[&str]) -> program::Ran {
+fn program(folder: &Path, arguments: &[&str]) -> program::CallResult {
     program::run(folder, arguments)
 }
 

@@ -19,7 +19,7 @@ use frames_lint::fix::{self, Plan};
 use frames_lint::math::relation::Relation;
 use frames_lint::page::Page;
 use frames_lint::run::Run;
-use frames_lint::tables::{Writing, WrittenTransform, writings};
+use frames_lint::tables::{FileTemplate, TransformTemplate, writings};
 use frames_lint::verdict::Finding;
 use frames_lint::world::{Claim, ClaimKind, Literal, Spelling};
 use nalgebra::Isometry3;
@@ -95,7 +95,7 @@ const ERRORS: [Relation; 9] = [
 ];
 
 /// A configuration in which the user says which frames of the description a file is about: else nothing is sure.
-fn declared(writing: &Writing, transform: &WrittenTransform) -> String {
+fn declared(writing: &FileTemplate, transform: &TransformTemplate) -> String {
     let folder = folder_of(writing, transform, truth());
     let run = check(folder.path(), &["CROSS01"]);
     let (target, source) = frames(writing, transform);
@@ -182,7 +182,7 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
 }
 
 /// A fault in a text: what is replaced where, and the rule that says so. `None` where the text has no place for it.
-type Inject = fn(&str) -> Option<(String, &'static str)>;
+type Injection = fn(&str) -> Option<(String, &'static str)>;
 
 /// The first place between two marks behind `from`.
 fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<(usize, &'t str)> {
@@ -216,7 +216,7 @@ fn optical(text: &str) -> Option<(usize, &str)> {
     None
 }
 
-const FAULTS: [(&str, Inject); 7] = [
+const FAULTS: [(&str, Injection); 7] = [
     ("a blank behind a parent's name", |text| {
         let (at, name) = between(text, "<parent link=\"", "\"")?;
         Some((put(text, at, name, &format!("{name} ")), "NAME02"))
@@ -368,9 +368,9 @@ fn faults_put_into_healthy_descriptions_are_corrected_and_nothing_else_changes()
 }
 
 /// A fault in the numbers of a statement: the texts of its literals, rotation first, and the rule that says so.
-type Misstate = fn(&Claim) -> Option<(Vec<String>, &'static str)>;
+type Misstatement = fn(&Claim) -> Option<(Vec<String>, &'static str)>;
 
-const MISSTATEMENTS: [(&str, Misstate); 5] = [
+const MISSTATEMENTS: [(&str, Misstatement); 5] = [
     ("a quaternion that is not of length one", |claim| {
         matches!(claim.spelling, Spelling::Quaternion { .. }).then(|| (scaled(claim, 1.01, 1.0), "ROT04"))
     }),
@@ -457,7 +457,7 @@ fn statements(file: &Path) -> Vec<Claim> {
 }
 
 /// As [`corrected`], for the numbers of one statement of a calibration.
-fn calibration_fixed(name: &str, healthy: &str, at: usize, misstate: Misstate) -> Result<bool, String> {
+fn calibration_fixed(name: &str, healthy: &str, at: usize, misstate: Misstatement) -> Result<bool, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let file = folder.path().join(name);
     let wrote = |text: &str| fs::write(&file, text).map_err(|error| error.to_string());

@@ -10,7 +10,7 @@ use std::process::Command;
 use junit_parser::TestStatus;
 use serde_json::Value;
 
-use crate::support::program::{self, Ran};
+use crate::support::program::{self, CallResult};
 
 /// An error, a warning, a waived warning, an input that cannot be read, and a rule that is required and cannot judge; names and
 /// words that mean something in every form.
@@ -60,7 +60,7 @@ pub(crate) const FORMS: [&str; 8] = [
 ];
 
 /// Every form of the report at once; the answer, and the file of each.
-fn reports(folder: &tempfile::TempDir) -> Ran {
+fn reports(folder: &tempfile::TempDir) -> CallResult {
     let mut arguments = vec!["check".to_owned(), ".".to_owned()];
     for form in FORMS {
         arguments.extend(["--output".to_owned(), format!("{form}=out/{form}")]);
@@ -168,18 +168,19 @@ fn sarif_is_valid_and_keeps_suppressions_fixes_and_what_was_not_evaluated() {
     let location = &waived["locations"][0]["physicalLocation"]["artifactLocation"]["uri"];
     assert_eq!(location, "a%20robot,%20100%25%20%3Cb%3E.urdf");
     assert!(!waived["fixes"][0]["artifactChanges"].as_array().unwrap().is_empty());
-    let told: Vec<&str> = run["invocations"][0]["toolExecutionNotifications"]
+    let notifications: Vec<&str> = run["invocations"][0]["toolExecutionNotifications"]
         .as_array()
         .unwrap()
         .iter()
         .map(|one| one["message"]["text"].as_str().unwrap())
         .collect();
     assert!(
-        told.iter()
+        notifications
+            .iter()
             .any(|text| text.contains("AXES01 is required but was not evaluated")
                 && text.contains("sensor_msgs/msg/Imu"))
     );
-    assert!(told.iter().any(|text| text.starts_with("broken.json: ")));
+    assert!(notifications.iter().any(|text| text.starts_with("broken.json: ")));
     assert!(
         rules
             .iter()

@@ -74,10 +74,10 @@ fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
 }
 
 /// The damaged copies of a recording, each with its name.
-type Damaged = Vec<(String, Vec<u8>)>;
+type DamagedCopies = Vec<(String, Vec<u8>)>;
 
 /// Checks a recording whole and damaged: nothing is found that the whole does not show, and most of the messages are read.
-fn adds_nothing(ending: &str, bytes: &[u8], damaged: &Damaged) {
+fn adds_nothing(ending: &str, bytes: &[u8], damaged: &DamagedCopies) {
     let checked = |bytes: &[u8]| {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(format!("drive.{ending}"));
@@ -112,7 +112,7 @@ fn adds_nothing(ending: &str, bytes: &[u8], damaged: &Damaged) {
 }
 
 /// The recording with other bytes in the middle of each of these stretches.
-fn bent(bytes: &[u8], stretches: &[(usize, usize)]) -> Damaged {
+fn bent(bytes: &[u8], stretches: &[(usize, usize)]) -> DamagedCopies {
     let one = |(at, end): &(usize, usize)| {
         let middle = at.midpoint(*end);
         let mut damaged = bytes.to_vec();

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::support;
 use crate::support::browser::Browser;
 use crate::support::page::Page;
-use crate::support::program::{self, Ran};
+use crate::support::program::{self, CallResult};
 
 /// A name that would be markup, script and an attribute's end where it is not escaped.
 const HOSTILE: &str = r#"</code></title></script><script>alert(1)</script><img src=x onerror="alert(2)">'"&amp;"#;
@@ -81,7 +81,7 @@ fn folder() -> tempfile::TempDir {
 const DAY: (&str, &str) = ("SOURCE_DATE_EPOCH", "1800000000");
 
 /// The report of a folder, and what the program said.
-fn report(folder: &Path, environment: &[(&str, &str)]) -> (PathBuf, Ran) {
+fn report(folder: &Path, environment: &[(&str, &str)]) -> (PathBuf, CallResult) {
     let out = folder.join("out");
     fs::create_dir_all(&out).unwrap();
     fs::write(out.join(".ignore"), "*\n").unwrap();

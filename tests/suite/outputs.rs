@@ -211,7 +211,7 @@ fn a_file_that_is_replaced_keeps_its_mode_its_links_and_its_attributes() {
 }
 
 /// Puts such a file there.
-type Make<'a> = &'a dyn Fn(&Path);
+type FileMaker<'a> = &'a dyn Fn(&Path);
 
 /// A robot with a fix: an optical frame that is not turned.
 const WITH_FIX: &str = r#"<robot name="car">
@@ -227,7 +227,7 @@ const WITH_FIX: &str = r#"<robot name="car">
 fn a_fix_replaces_what_was_meant_and_the_rest_by_force_alone() {
     let outside = tempfile::tempdir().unwrap();
     let other = outside.path().join("car.urdf");
-    let cases: [(&str, Make); 3] = [
+    let cases: [(&str, FileMaker); 3] = [
         ("it is read-only", &|robot| {
             fs::write(robot, WITH_FIX).unwrap();
             fs::set_permissions(robot, fs::Permissions::from_mode(0o444)).unwrap();

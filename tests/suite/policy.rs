@@ -9,7 +9,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::support;
-use crate::support::program::{Ran, run};
+use crate::support::program::{CallResult, run};
 
 /// A robot with one note (ROT09: pi with three digits), and a second link to make mistakes with.
 const ROBOT: &str = r#"<robot name="r">
@@ -33,7 +33,7 @@ fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-fn check(folder: &Path, arguments: &[&str]) -> Ran {
+fn check(folder: &Path, arguments: &[&str]) -> CallResult {
     run(
         folder,
         [&["check", "--format", "json", "--fail-on", "note"], arguments].concat(),
@@ -41,7 +41,7 @@ fn check(folder: &Path, arguments: &[&str]) -> Ran {
 }
 
 /// Rules of the findings that count, and of those that are waived.
-fn said(ran: &Ran) -> (Vec<String>, Vec<String>) {
+fn said(ran: &CallResult) -> (Vec<String>, Vec<String>) {
     let report = ran.report();
     let findings = report["findings"].as_array().unwrap().clone();
     let rules = |is_waived: bool| -> Vec<String> {

@@ -14,7 +14,7 @@ use frames_lint::verdict::{Finding, Outcome, Row};
 use serde_json::Value;
 
 use crate::support;
-use crate::support::program::{self, Ran};
+use crate::support::program::{self, CallResult};
 
 const ROBOT: &str = r#"<robot name="car">
   <link name="base_link"/>
@@ -74,12 +74,12 @@ fn check(paths: &[&Path]) -> Run {
     .unwrap()
 }
 
-fn program(folder: &Path, arguments: &[&str]) -> Ran {
+fn program(folder: &Path, arguments: &[&str]) -> CallResult {
     program::run(folder, [&["check", "."], arguments].concat())
 }
 
 /// Whether a waiver or an entry of a baseline accepts nothing.
-fn is_stale(ran: &Ran) -> bool {
+fn is_stale(ran: &CallResult) -> bool {
     let report = ran.report();
     let mut findings = report["findings"].as_array().unwrap().iter();
     findings.any(|one| one["rule"] == "GATE01")
@@ -382,7 +382,7 @@ fn waivers_and_baselines_hold_for_the_recording_that_they_are_for() {
     let recordings: Vec<(&str, &str)> = recordings.iter().map(|(name, text)| (*name, text.as_str())).collect();
     let waiver = "waivers:\n  - {rule: TIME01, file: b.mcap, reason: known}\n";
     let folder = folder(&recordings, &[("frames-lint.yaml", waiver)]);
-    let codes = |ran: &Ran| -> Vec<u64> {
+    let codes = |ran: &CallResult| -> Vec<u64> {
         let report = ran.report();
         let recordings = report["recordings"].as_array().unwrap();
         recordings
@@ -406,7 +406,7 @@ fn waivers_and_baselines_hold_for_the_recording_that_they_are_for() {
 }
 
 /// The lines of `--format json-lines`.
-fn parsed(ran: &Ran) -> Vec<Value> {
+fn parsed(ran: &CallResult) -> Vec<Value> {
     let text = ran.text();
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }

@@ -9,7 +9,7 @@ use std::fs;
 use crate::support;
 use frames_lint::math::relation::Relation;
 use frames_lint::run::Run;
-use frames_lint::source::{At, LineIndex};
+use frames_lint::source::{LineIndex, SourcePart};
 use frames_lint::verdict::{Finding, Outcome};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -152,12 +152,12 @@ fn place(run: &Run, finding: &Finding) -> String {
     let source = &run.sources[place.source.0 as usize];
     let file = source.path.rsplit('/').next().unwrap();
     match &place.at {
-        At::Text(span) => format!(
+        SourcePart::Text(span) => format!(
             "{file}:{}",
             LineIndex::new(&source.text).locate(&source.text, span.start).line
         ),
-        At::Message(message) => format!("{file}:{}", message.topic),
-        At::Whole => format!("{file}: whole"),
+        SourcePart::Message(message) => format!("{file}:{}", message.topic),
+        SourcePart::Whole => format!("{file}: whole"),
     }
 }
 

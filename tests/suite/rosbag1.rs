@@ -5,10 +5,10 @@
 use std::path::Path;
 
 use crate::support;
-use crate::support::heard::{Heard, Said, are_some_of, read, read_from, wanted};
-use crate::support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written};
+use crate::support::heard::{Delivery, TopicMessage, are_some_of, read, read_from, wanted};
+use crate::support::rosbag1::{BagFile, Compression, Connection, Ending, Layout, Rosbag1};
 use crate::support::rosbag1_drive::{drive, layouts};
-use frames_lint::read::bag::{Carried, Extent, Sampling, Wanted};
+use frames_lint::read::bag::{Extent, RunExtension, Sampling, Selection};
 use frames_lint::source::ReadStatus;
 
 #[test]
@@ -72,15 +72,15 @@ fn a_recording_that_was_not_closed_is_scanned() {
             let (source, extent, heard) = read(&bag.bytes);
             let what = format!("{layout:?} {ending:?} {source:?}");
             assert_eq!(source.status, ReadStatus::Partial, "{what}");
-            let told = |text: &str| source.problems.iter().any(|problem| problem.message.contains(text));
+            let is_reported = |text: &str| source.problems.iter().any(|problem| problem.message.contains(text));
             assert!(
-                told("the recording was not closed and has no index; the bag was scanned from its start"),
+                is_reported("the recording was not closed and has no index; the bag was scanned from its start"),
                 "{what}"
             );
             assert!(extent.truncated && !extent.indexed && extent.whole && extent.messages_total.is_none());
             // A block of bz2 is nothing without its end.
             if ending == Ending::Active && layout.compression != Compression::None {
-                assert!(told("the last chunk was not closed"), "{what}");
+                assert!(is_reported("the last chunk was not closed"), "{what}");
                 assert!(written.starts_with(&heard.messages), "{what}");
                 assert!(
                     layout.compression == Compression::Bz2 || heard.messages.len() == 300,
@@ -135,7 +135,7 @@ fn bags_without_messages_say_so() {
         (extent.truncated, extent.span_ns, extent.messages_total),
         (false, None, Some(0))
     );
-    assert_eq!(heard, Heard::default());
+    assert_eq!(heard, Delivery::default());
     bag.connection(&Connection::default());
     let bytes = bag.finish().bytes;
     let (source, _, heard) = read(&bytes);
@@ -195,7 +195,7 @@ fn an_encrypted_bag_is_refused() {
 }
 
 /// Two minutes of an IMU at 100 Hz, a map every half minute, and one word of a third connection near the end.
-fn long(compression: Compression) -> (Written, Vec<Said>) {
+fn long(compression: Compression) -> (BagFile, Vec<TopicMessage>) {
     let mut bag = Rosbag1::new(Layout {
         compression,
         ..Layout::default()
@@ -234,7 +234,7 @@ const SAMPLING: Sampling = Sampling {
 
 #[test]
 fn some_of_a_bag_is_read_by_its_index() {
-    let some = Wanted {
+    let some = Selection {
         sampling: Some(SAMPLING),
         throughout: &|channel| channel.latched,
         in_a_row: &|_| false,
@@ -263,7 +263,7 @@ fn some_of_a_bag_is_read_by_its_index() {
         assert_eq!(heard.channels[0].total, Some(12_000));
         assert!(are_some_of(&heard.messages, &written));
         // What fits is read wholly.
-        let all = Wanted {
+        let all = Selection {
             sampling: Some(Sampling {
                 bytes: 1 << 30,
                 ..SAMPLING
@@ -280,8 +280,8 @@ fn some_of_a_bag_is_read_by_its_index() {
 fn messages_that_are_wanted_in_a_row_are_read_on() {
     for compression in Compression::ALL {
         let (bag, _) = long(compression);
-        let count = |carried: Option<Carried>| {
-            let some = Wanted {
+        let count = |carried: Option<RunExtension>| {
+            let some = Selection {
                 sampling: Some(Sampling {
                     bytes: 20_000,
                     carried,
@@ -292,7 +292,7 @@ fn messages_that_are_wanted_in_a_row_are_read_on() {
             };
             wanted(&bag.bytes, &some).2.messages.len()
         };
-        let carried = count(Some(Carried {
+        let carried = count(Some(RunExtension {
             runs: 4,
             bytes: 100_000,
         }));
@@ -306,7 +306,7 @@ fn messages_that_are_wanted_in_a_row_are_read_on() {
 
 #[test]
 fn an_index_that_lies_about_a_chosen_chunk_is_not_followed() {
-    let some = Wanted {
+    let some = Selection {
         sampling: Some(SAMPLING),
         throughout: &|channel| channel.latched,
         in_a_row: &|_| false,

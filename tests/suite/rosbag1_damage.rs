@@ -6,7 +6,7 @@
 use crate::support;
 use crate::support::damage::{cut, patched};
 use crate::support::heard::{are_some_of, read};
-use crate::support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written};
+use crate::support::rosbag1::{BagFile, Compression, Ending, Layout, Rosbag1};
 use crate::support::rosbag1_drive::{drive, layouts};
 use frames_lint::source::{ReadStatus, Source};
 
@@ -31,7 +31,7 @@ fn data_of(bytes: &[u8], chunk: usize) -> (usize, usize) {
     (at, u32_at(bytes, at))
 }
 
-fn told(source: &Source, text: &str) -> bool {
+fn is_reported(source: &Source, text: &str) -> bool {
     source.problems.iter().any(|problem| problem.message.contains(text))
 }
 
@@ -44,7 +44,7 @@ fn largest_chunk(layout: Layout) -> usize {
 fn a_bag_cut_at_any_percent_gives_what_stands_before_the_cut() {
     for layout in layouts() {
         for ending in [Ending::Closed, Ending::Unindexed] {
-            let (Written { bytes, index, .. }, written) = drive(Layout { ending, ..layout });
+            let (BagFile { bytes, index, .. }, written) = drive(Layout { ending, ..layout });
             let mut before = 0;
             for percent in 1..100 {
                 let part = cut(&bytes, percent);
@@ -60,7 +60,7 @@ fn a_bag_cut_at_any_percent_gives_what_stands_before_the_cut() {
                 assert!(written.starts_with(&heard.messages), "{what}");
                 assert!(heard.messages.len() >= before, "{what}");
                 assert_eq!(extent.truncated, cut < index || ending == Ending::Unindexed, "{what}");
-                assert!(told(&source, "the bag was scanned from its start"), "{what}");
+                assert!(is_reported(&source, "the bag was scanned from its start"), "{what}");
                 before = heard.messages.len();
             }
             assert!(
@@ -73,7 +73,7 @@ fn a_bag_cut_at_any_percent_gives_what_stands_before_the_cut() {
 
 #[test]
 fn a_cut_is_told_with_its_byte() {
-    let (Written { bytes, chunks, .. }, written) = drive(Layout::default());
+    let (BagFile { bytes, chunks, .. }, written) = drive(Layout::default());
     let cut = chunks[2] + 700;
     let (source, extent, heard) = read(&bytes[..cut]);
     let detail = source.detail.clone().unwrap();
@@ -84,7 +84,7 @@ fn a_cut_is_told_with_its_byte() {
         "{detail}"
     );
     assert!(
-        told(&source, "past the end of the file; the bag was scanned from its start"),
+        is_reported(&source, "past the end of the file; the bag was scanned from its start"),
         "{source:?}"
     );
     assert!(extent.truncated && heard.messages.len() > 60 && written.starts_with(&heard.messages));
@@ -93,7 +93,7 @@ fn a_cut_is_told_with_its_byte() {
 #[test]
 fn a_flipped_bit_costs_one_chunk_at_most_and_is_told() {
     for layout in layouts() {
-        let (Written { bytes, .. }, written) = drive(layout);
+        let (BagFile { bytes, .. }, written) = drive(layout);
         let mut seen = 0;
         for place in 0..120 {
             let at = 13 + (bytes.len() - 14) * place / 119;
@@ -123,7 +123,7 @@ fn a_flipped_bit_costs_one_chunk_at_most_and_is_told() {
 #[test]
 fn a_flipped_bit_without_an_index_to_hold_it_against() {
     for layout in layouts() {
-        let (Written { bytes, .. }, written) = drive(Layout {
+        let (BagFile { bytes, .. }, written) = drive(Layout {
             ending: Ending::Unindexed,
             ..layout
         });
@@ -151,7 +151,7 @@ fn reading_goes_on_behind_a_damaged_chunk() {
                 ending,
                 ..Layout::default()
             };
-            let (Written { bytes, chunks, .. }, written) = drive(layout);
+            let (BagFile { bytes, chunks, .. }, written) = drive(layout);
             let (at, len) = data_of(&bytes, chunks[2]);
             let mut broken = bytes.clone();
             for byte in &mut broken[at + 4 + len / 2..at + 4 + len / 2 + 20] {
@@ -173,7 +173,7 @@ fn reading_goes_on_behind_a_damaged_chunk() {
 #[test]
 fn blocks_that_were_never_written_are_stepped_over_with_an_index() {
     for layout in layouts().into_iter().filter(|layout| layout.chunk_bytes == 4000) {
-        let (Written { bytes, chunks, .. }, _) = drive(layout);
+        let (BagFile { bytes, chunks, .. }, _) = drive(layout);
         let mut holed = bytes.clone();
         holed[chunks[2]..chunks[2] + 200].fill(0);
         let (source, extent, heard) = read(&holed);
@@ -193,7 +193,7 @@ fn blocks_that_were_never_written_are_stepped_over_with_an_index() {
 #[test]
 fn an_index_that_lies_costs_no_message() {
     for layout in layouts() {
-        let (Written { bytes, chunks, index }, written) = drive(layout);
+        let (BagFile { bytes, chunks, index }, written) = drive(layout);
         let len = bytes.len() as u64;
         let mut lies: Vec<(String, Vec<u8>)> = Vec::new();
         let places = [
@@ -263,12 +263,12 @@ fn an_index_that_lies_costs_no_message() {
 
 #[test]
 fn times_are_held_against_the_index() {
-    let (Written { bytes, index, .. }, _) = drive(Layout::default());
+    let (BagFile { bytes, index, .. }, _) = drive(Layout::default());
     let end = behind(&bytes, index, b"end_time=");
     let (source, _, heard) = read(&patched(&bytes, end, &0_u64.to_le_bytes()));
     assert_eq!((source.status, heard.messages.len()), (ReadStatus::Partial, 300));
     assert!(
-        told(
+        is_reported(
             &source,
             "messages have a log time outside of the range that the index gives for their chunk"
         ),
@@ -279,7 +279,7 @@ fn times_are_held_against_the_index() {
 #[test]
 fn a_chunk_that_lies_about_its_size_costs_that_chunk_at_most() {
     for layout in layouts() {
-        let (Written { bytes, chunks, .. }, written) = drive(layout);
+        let (BagFile { bytes, chunks, .. }, written) = drive(layout);
         let chunk = chunks[chunks.len() / 2];
         let size = behind(&bytes, chunk, b"size=");
         let (len, true_len) = data_of(&bytes, chunk);
@@ -303,7 +303,7 @@ fn a_chunk_that_lies_about_its_size_costs_that_chunk_at_most() {
                 assert!(heard.messages.len() == 300 || extent.truncated, "{what}");
                 if at == size && lie > 1 << 30 {
                     let limit = format!("a chunk claims {lie} bytes of messages, above the limit of 1073741824");
-                    assert!(told(&source, &limit), "{what}");
+                    assert!(is_reported(&source, &limit), "{what}");
                 }
             }
         }
@@ -312,7 +312,7 @@ fn a_chunk_that_lies_about_its_size_costs_that_chunk_at_most() {
 
 #[test]
 fn a_record_that_claims_more_than_its_chunk_is_refused() {
-    let (Written { bytes, chunks, .. }, written) = drive(Layout::default());
+    let (BagFile { bytes, chunks, .. }, written) = drive(Layout::default());
     let (at, _) = data_of(&bytes, chunks[1]);
     // The first record of the second chunk is a message: op, conn, time.
     let header = at + 4;
@@ -345,7 +345,7 @@ fn messages_of_an_unknown_connection_are_missed() {
     let (source, extent, heard) = read(&bag.finish().bytes);
     assert_eq!((heard.messages.len(), extent.truncated), (1, true));
     assert!(
-        told(
+        is_reported(
             &source,
             "1 messages belong to connections that the file does not define"
         ),
@@ -369,7 +369,10 @@ fn records_of_no_known_kind_are_told() {
         bag.message(known, 3_000, b"later");
         let (source, _, heard) = read(&bag.finish().bytes);
         assert_eq!(heard.messages.len(), 2, "{source:?}");
-        assert!(told(&source, "a record of kind 0x42 among messages"), "{source:?}");
+        assert!(
+            is_reported(&source, "a record of kind 0x42 among messages"),
+            "{source:?}"
+        );
     }
 }
 

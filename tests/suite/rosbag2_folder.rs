@@ -9,9 +9,9 @@ use crate::support::bag;
 use crate::support::reading::{collect_input, folder, found, messages};
 use crate::support::recipe::{DRIVE, MESSAGES};
 use crate::support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts};
-use frames_lint::collect::Collected;
+use frames_lint::collect::Collection;
 use frames_lint::read::discover::discover;
-use frames_lint::source::{At, ReadStatus, Source, SourceKind};
+use frames_lint::source::{ReadStatus, Source, SourceKind, SourcePart};
 
 #[test]
 fn a_folder_is_one_recording_however_it_is_named() {
@@ -161,7 +161,7 @@ fn separate_drives_that_are_numbered_stay_separate() {
 }
 
 /// A folder with one database and this metadata.
-fn with_yaml(change: impl Fn(&str) -> String) -> (tempfile::TempDir, Source, Collected) {
+fn with_yaml(change: impl Fn(&str) -> String) -> (tempfile::TempDir, Source, Collection) {
     let folder = folder();
     let drive = Drive::of(DRIVE);
     drive.write_db3(&folder.path().join("drive_0.db3"), Db3::default());
@@ -252,7 +252,7 @@ fn metadata_that_says_other_than_the_files_is_quoted() {
             .iter()
             .find(|problem| problem.message.contains(expected));
         let problem = problem.unwrap_or_else(|| panic!("{expected}: {:#?}", source.problems));
-        let At::Text(span) = problem.place.at else {
+        let SourcePart::Text(span) = problem.place.at else {
             panic!("{expected} has no place in the text")
         };
         let quoted = &source.text[span.start..span.end];

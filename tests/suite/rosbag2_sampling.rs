@@ -7,7 +7,7 @@ use std::fs;
 use crate::support::reading::{folder, read};
 use crate::support::recipe::DRIVE;
 use crate::support::rosbag2::{Db3, Drive, Message, Topic, Yaml, write_parts};
-use frames_lint::read::bag::{Carried, Sampling};
+use frames_lint::read::bag::{RunExtension, Sampling};
 use frames_lint::source::ReadStatus;
 
 /// Ten minutes with a static transform late, a topic that begins late, and clouds of 20 kB.
@@ -164,7 +164,7 @@ fn messages_that_are_wanted_in_a_row_are_read_on() {
                 windows: 8,
                 seconds: 5.0,
                 bytes: 160_000,
-                carried: Some(Carried { runs, bytes }),
+                carried: Some(RunExtension { runs, bytes }),
             };
             let (_, _, heard) = read(&path, Some(sampling));
             heard.check();

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use frames_lint::world::tf2::{Buffer, Extrapolation, Incoming, LookupError};
+use frames_lint::world::tf2::{Buffer, Extrapolation, IncomingTransform, LookupError};
 
 const SECOND: i64 = 1_000_000_000;
 
@@ -62,7 +62,7 @@ impl Script {
         Buffer::new(cache_ns)
     }
 
-    fn set(&mut self, buffer: &mut Buffer, sent: &Incoming<'_>) {
+    fn set(&mut self, buffer: &mut Buffer, sent: &IncomingTransform<'_>) {
         let numbers = sent.translation_m.iter().chain(&sent.rotation_xyzw);
         let numbers: Vec<String> = numbers.map(|v| format!("{v:?}")).collect();
         let (parent, child) = (word(sent.parent), word(sent.child));
@@ -70,7 +70,7 @@ impl Script {
         writeln!(self.requests, "set {parent} {child} {} {numbers} {kind}", sent.stamp_ns).unwrap();
         // ROS 2 takes no notice of a repetition, and says that all is well.
         let is_taken = match buffer.insert(sent) {
-            Ok(()) | Err(frames_lint::world::tf2::Refused::Repeated) => "ok",
+            Ok(()) | Err(frames_lint::world::tf2::Rejection::Repeated) => "ok",
             Err(_) => "refused",
         };
         self.ours.push(is_taken.to_owned());
@@ -106,7 +106,7 @@ impl Script {
 }
 
 /// Parent, child, stamp, translation, rotation, whether static.
-type Sent = (String, String, i64, [f64; 3], [f64; 4], bool);
+type TransformRow = (String, String, i64, [f64; 3], [f64; 4], bool);
 
 /// A scene: a random forest whose edges are published for a while with changes of parent, of kind, repetitions, faulty
 /// numbers and, for ROS 2, late and equally stamped ones; and look-ups in between.
@@ -122,7 +122,7 @@ fn scene(rng: &mut Rng, script: &mut Script, is_ros2: bool) {
     let may_loop = rng.below(12) == 0;
     let is_static: Vec<bool> = names.iter().map(|_| rng.below(4) == 0).collect();
     let mut parents: Vec<usize> = (0..names.len()).map(|n| rng.below(n.max(1) as u64) as usize).collect();
-    let mut last: Option<Sent> = None;
+    let mut last: Option<TransformRow> = None;
     for step in 0..200_i64 {
         let child = 1 + rng.below(names.len() as u64 - 1) as usize;
         if rng.below(25) == 0 {
@@ -179,7 +179,7 @@ fn scene(rng: &mut Rng, script: &mut Script, is_ros2: bool) {
         }
         script.set(
             &mut buffer,
-            &Incoming {
+            &IncomingTransform {
                 parent: &current.0,
                 child: &current.1,
                 stamp_ns: current.2,

@@ -6,21 +6,21 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use frames_lint::engine::{self, Options, Sights, Verdicts};
+use frames_lint::engine::{self, Options, Retention, VerdictScope};
 use frames_lint::page::Page;
 use frames_lint::run::Run;
 use frames_lint::tables::views;
 use frames_lint::view::scene as scene_of;
-use frames_lint::view::scene::{self, Body, Item, Scene, What};
+use frames_lint::view::scene::{self, Body, Content, Item, Scene};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::support;
 
-pub(crate) fn looked_at(folder: &Path, verdicts: Verdicts) -> Run {
+pub(crate) fn looked_at(folder: &Path, verdicts: VerdictScope) -> Run {
     engine::check(&Options {
         paths: vec![folder.to_path_buf()],
         verdicts,
-        sights: Sights::Everything,
+        sights: Retention::Everything,
         ..Options::default()
     })
     .unwrap()
@@ -38,7 +38,7 @@ fn of_files(files: &[(&str, &str)]) -> (Run, Scene) {
     for (name, text) in files {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    let run = looked_at(folder.path(), Verdicts::One);
+    let run = looked_at(folder.path(), VerdictScope::One);
     let scene = scene_of(&run);
     (run, scene)
 }
@@ -52,7 +52,7 @@ fn pose(scene: &Scene, of: &scene::Path) -> Isometry3<f64> {
             at = at.then(name.clone());
         }
         let own = scene.items.iter().find_map(|item| match &item.what {
-            What::Pose(pose) if item.path == at && item.stamp_ns.is_none() => Some(*pose),
+            Content::Pose(pose) if item.path == at && item.stamp_ns.is_none() => Some(*pose),
             _ => None,
         });
         pose *= own.unwrap_or_else(Isometry3::identity);
@@ -62,8 +62,8 @@ fn pose(scene: &Scene, of: &scene::Path) -> Isometry3<f64> {
 
 fn labels(scene: &Scene) -> Vec<&str> {
     let labels = scene.items.iter().flat_map(|item| match &item.what {
-        What::Points(points) => points.labels.as_slice(),
-        What::Lines(lines) => lines.labels.as_slice(),
+        Content::Points(points) => points.labels.as_slice(),
+        Content::Lines(lines) => lines.labels.as_slice(),
         _ => &[],
     });
     labels.map(String::as_str).collect()
@@ -139,7 +139,7 @@ fn statements_of_one_pair_stand_side_by_side_with_their_difference_and_what_a_ru
     // The marker of the finding, the body of the robot, and what is not connected.
     assert!(scene.has(&path("world/base_link/lidar/finding 1")));
     let body = scene.items.iter().find_map(|item| match &item.what {
-        What::Body(Body::Box(sides)) => Some((item.path.words(), *sides)),
+        Content::Body(Body::Box(sides)) => Some((item.path.words(), *sides)),
         _ => None,
     });
     assert_eq!(body, Some(("world/base_link/body 1".to_owned(), [4.0, 1.8, 1.0])));
@@ -220,7 +220,7 @@ fn a_program_without_views_says_how_to_get_them() {
 }
 
 /// Platforms of recordings that are made of recipes.
-fn of_recipes(recipes: &[(&str, &str)], verdicts: Verdicts) -> (Run, Scene) {
+fn of_recipes(recipes: &[(&str, &str)], verdicts: VerdictScope) -> (Run, Scene) {
     let folder = tempfile::tempdir().unwrap();
     for (name, recipe) in recipes {
         support::write(recipe, &folder.path().join(name));
@@ -259,7 +259,7 @@ topics:
         // Optical axes have y down.
         (optical, "map", -Vector3::y()),
     ] {
-        let (run, scene) = of_recipes(&[("drive.mcap", recipe)], Verdicts::One);
+        let (run, scene) = of_recipes(&[("drive.mcap", recipe)], VerdictScope::One);
         let is_told = run.verdict.findings.iter().any(|finding| finding.rule == "AXES14");
         assert!(is_told, "{root}: {:?}", run.verdict.findings);
         let seen = pose(&scene, &path(&format!("world/{root}"))).rotation * up;
@@ -278,7 +278,7 @@ topics:
 
 #[test]
 fn a_cloud_is_there_as_it_is_told_and_hidden_as_a_rule_would_have_it() {
-    let (run, scene) = of_recipes(&[("drive.mcap", INVERSE)], Verdicts::One);
+    let (run, scene) = of_recipes(&[("drive.mcap", INVERSE)], VerdictScope::One);
     assert_eq!(run.verdict.findings[0].rule, "CROSS04");
     let told = path("world/base_link/velodyne").then("points of /points");
     let better = path("world/base_link/velodyne as CROSS04 corrects it").then("points of /points");
@@ -293,7 +293,7 @@ fn a_cloud_is_there_as_it_is_told_and_hidden_as_a_rule_would_have_it() {
         .filter(|item| item.path.names().last().is_some_and(|name| name == "ground in /points"));
     let feet: Vec<f32> = grounds
         .filter_map(|item| match &item.what {
-            What::Lines(lines) => Some(lines.strips_m[0][1][2]),
+            Content::Lines(lines) => Some(lines.strips_m[0][1][2]),
             _ => None,
         })
         .collect();
@@ -302,7 +302,7 @@ fn a_cloud_is_there_as_it_is_told_and_hidden_as_a_rule_would_have_it() {
         "{feet:?}"
     );
     let cloud = scene.items.iter().find_map(|item| match &item.what {
-        What::Points(points) if item.path == told => Some(points),
+        Content::Points(points) if item.path == told => Some(points),
         _ => None,
     });
     let cloud = cloud.unwrap();
@@ -314,7 +314,7 @@ fn a_cloud_is_there_as_it_is_told_and_hidden_as_a_rule_would_have_it() {
 
 #[test]
 fn the_view_opens_at_the_worst_finding() {
-    let (run, scene) = of_recipes(&[("drive.mcap", INVERSE)], Verdicts::One);
+    let (run, scene) = of_recipes(&[("drive.mcap", INVERSE)], VerdictScope::One);
     let worst = &run.verdict.findings[0];
     let eye = scene.views[0].eye.unwrap();
     let lidar = pose(&scene, &path("world/base_link/velodyne")).translation.vector;
@@ -337,7 +337,7 @@ fn several_recordings_have_a_space_each() {
         drive(1.0),
     );
     let recipes = [("monday.mcap", first.as_str()), ("tuesday.mcap", later.as_str())];
-    let (run, scene) = of_recipes(&recipes, Verdicts::Each);
+    let (run, scene) = of_recipes(&recipes, VerdictScope::Each);
     assert_eq!((run.recordings.len(), run.seen.len()), (2, 2));
     let spaces: Vec<&str> = scene
         .views
@@ -371,7 +371,7 @@ fn clouds_stand_in_their_frames_at_their_stamps() {
     let car = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/robots/car");
     let folder = tempfile::tempdir().unwrap();
     support::copy_platform(&car, folder.path());
-    let scene = scene_of(&looked_at(folder.path(), Verdicts::One));
+    let scene = scene_of(&looked_at(folder.path(), VerdictScope::One));
     let kinds: BTreeMap<&str, usize> = scene.items.iter().fold(BTreeMap::new(), |mut kinds, item| {
         *kinds.entry(item.path.names()[0].as_str()).or_default() += 1;
         kinds
@@ -380,6 +380,6 @@ fn clouds_stand_in_their_frames_at_their_stamps() {
     let moving = scene
         .items
         .iter()
-        .filter(|item| matches!(item.what, What::Pose(_)) && item.stamp_ns.is_some());
+        .filter(|item| matches!(item.what, Content::Pose(_)) && item.stamp_ns.is_some());
     assert!(moving.count() > 50);
 }

@@ -45,7 +45,7 @@ pub struct Lidar {
     pub swapped: bool,
     /// The axes that the cloud is expressed in, from those that the driver has: `told_from_driver`.
     #[serde(skip)]
-    pub told: Isometry3<f64>,
+    pub stated: Isometry3<f64>,
     /// Every point as far off, metres: a map's coordinates.
     #[serde(default)]
     pub offset: [f64; 3],
@@ -161,12 +161,12 @@ struct Points {
     bytes: Vec<u8>,
     /// Names, types and offsets.
     layout: Vec<(&'static str, u8, usize)>,
-    is_told: bool,
+    is_stated: bool,
 }
 
 impl Points {
     fn put(&mut self, name: &'static str, number: Number) {
-        if !self.is_told {
+        if !self.is_stated {
             self.layout.push((name, number.datatype(), self.bytes.len()));
         }
         number.write(&mut self.bytes);
@@ -174,7 +174,7 @@ impl Points {
 }
 
 /// A ray as the cloud tells it: ring, column, time after the scan's beginning, and where it ended.
-type Told = (u32, u32, f64, Option<Vector3<f64>>);
+type CloudRay = (u32, u32, f64, Option<Vector3<f64>>);
 
 impl Default for Lidar {
     fn default() -> Self {
@@ -223,12 +223,12 @@ impl Lidar {
     /// The fields of a message behind its header.
     pub fn fields<'a>(&self, rays: &[Ray], stamp_ns: i64) -> Vec<Field<'a>> {
         let scanner = self.scanner();
-        let told: Vec<Told> = rays
+        let returns: Vec<CloudRay> = rays
             .iter()
             .map(|ray| (ray.ring, ray.column, ray.after_s, self.place(ray)))
             .collect();
         if self.driver == Driver::Livox {
-            return self.custom(&told, stamp_ns);
+            return self.custom(&returns, stamp_ns);
         }
         let is_organised =
             matches!(self.driver, Driver::Ouster | Driver::Robosense) && !self.solid_state && !self.filtered;
@@ -242,14 +242,14 @@ impl Lidar {
         };
         let mut points = Points::default();
         let mut count = 0;
-        let mut push = |ray: &Told, points: &mut Points| {
+        let mut push = |ray: &CloudRay, points: &mut Points| {
             self.point(ray, stamp_ns, first_s, points);
-            points.is_told = true;
+            points.is_stated = true;
             count += 1;
         };
         if is_organised {
             for ring in 0..scanner.beams() {
-                let mut row: Vec<&Told> = told.iter().filter(|ray| ray.0 == ring).collect();
+                let mut row: Vec<&CloudRay> = returns.iter().filter(|ray| ray.0 == ring).collect();
                 if self.destaggered {
                     row.rotate_right(scanner.pixel_shift(ring));
                 }
@@ -258,7 +258,7 @@ impl Lidar {
                 }
             }
         } else {
-            let returned = told.iter().filter(|ray| ray.3.is_some());
+            let returned = returns.iter().filter(|ray| ray.3.is_some());
             returned.for_each(|ray| push(ray, &mut points));
         }
         if count == 0 {
@@ -317,7 +317,7 @@ impl Lidar {
         if self.swapped {
             told = Vector3::new(told.y, told.x, told.z);
         }
-        let told = self.told.rotation * told + self.told.translation.vector;
+        let told = self.stated.rotation * told + self.stated.translation.vector;
         Some(told + Vector3::from(self.offset))
     }
 
@@ -331,7 +331,7 @@ impl Lidar {
     }
 
     /// Writes a point.
-    fn point(&self, (ring, column, after_s, place): &Told, stamp_ns: i64, first_s: f64, points: &mut Points) {
+    fn point(&self, (ring, column, after_s, place): &CloudRay, stamp_ns: i64, first_s: f64, points: &mut Points) {
         let nothing = match self.driver {
             Driver::Robosense => f64::NAN,
             _ => 0.0,
@@ -398,7 +398,7 @@ impl Lidar {
     }
 
     /// A `CustomMsg`.
-    fn custom<'a>(&self, told: &[Told], stamp_ns: i64) -> Vec<Field<'a>> {
+    fn custom<'a>(&self, told: &[CloudRay], stamp_ns: i64) -> Vec<Field<'a>> {
         let points: Vec<_> = told.iter().filter_map(|ray| Some((ray, ray.3?))).collect();
         let count = u32::try_from(points.len()).unwrap();
         let mut fields = vec![

@@ -1,7 +1,7 @@
 //! The fields of the messages that recipes know the numbers of, behind the header.
 
 use super::encode::Field;
-use super::motion::Published;
+use super::motion::PublishedPose;
 use super::topic::{Topic, Twist};
 
 impl Topic {
@@ -76,7 +76,7 @@ impl Topic {
     }
 }
 
-pub(super) fn pose_fields<'a>(pose: Published) -> [Field<'a>; 2] {
+pub(super) fn pose_fields<'a>(pose: PublishedPose) -> [Field<'a>; 2] {
     [Field::F64s(pose.position.into()), Field::F64s(pose.orientation.into())]
 }
 

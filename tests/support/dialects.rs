@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use frames_lint::convert::{Converted, Wish, convert};
+use frames_lint::convert::{Conversion, ConvertRequest, convert};
 use frames_lint::engine;
 use frames_lint::run::Run;
-use frames_lint::tables::{Tables, Writing, WrittenTransform};
+use frames_lint::tables::{FileTemplate, Tables, TransformTemplate};
 use nalgebra::Isometry3;
 
 /// What is read of a file or folder.
@@ -19,7 +19,7 @@ pub fn read(path: &Path) -> Run {
 }
 
 /// Converts what was read.
-pub fn to(run: &Run, wish: &Wish) -> Result<Converted, String> {
+pub fn to(run: &Run, wish: &ConvertRequest) -> Result<Conversion, String> {
     convert(run, Tables::default().dialects(), wish)
 }
 
@@ -39,7 +39,7 @@ pub fn plain(folder: &Path, links: &[(&str, &str, Isometry3<f64>)]) -> PathBuf {
 }
 
 /// The frames that a transform of a dialect has in a file, `(target, source)`.
-pub fn frames(writing: &Writing, transform: &WrittenTransform) -> (String, String) {
+pub fn frames(writing: &FileTemplate, transform: &TransformTemplate) -> (String, String) {
     let tables = Tables::default();
     let mut rows = tables.dialects().iter().filter(|row| row.name == writing.dialect);
     let is = transform.is.clone().or_else(|| {
@@ -69,21 +69,25 @@ pub fn frames(writing: &Writing, transform: &WrittenTransform) -> (String, Strin
 }
 
 /// What one transform is in the dialect.
-pub fn converted(writing: &Writing, transform: &WrittenTransform, target_from_source: Isometry3<f64>) -> Converted {
+pub fn converted(
+    writing: &FileTemplate,
+    transform: &TransformTemplate,
+    target_from_source: Isometry3<f64>,
+) -> Conversion {
     let (target, source) = frames(writing, transform);
     let folder = tempfile::tempdir().unwrap();
     let run = read(&plain(folder.path(), &[(&target, &source, target_from_source)]));
-    let wish = Wish {
+    let wish = ConvertRequest {
         to: writing.dialect.clone(),
         frames: Some((target, source)),
         key: Some(transform.key.clone()),
-        ..Wish::default()
+        ..ConvertRequest::default()
     };
     to(&run, &wish).unwrap()
 }
 
 /// Puts it into a folder under the name that it must have.
-pub fn written(folder: &Path, writing: &Writing, transform: &WrittenTransform, text: &str) -> PathBuf {
+pub fn written(folder: &Path, writing: &FileTemplate, transform: &TransformTemplate, text: &str) -> PathBuf {
     let name = transform
         .named
         .clone()

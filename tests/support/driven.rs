@@ -13,14 +13,14 @@ use super::drive::rows::{FixRow, ImuRow, OdometryRow, PoseRow, VelocityRow};
 use super::drive::scene::Surroundings;
 use super::drive::{Drive, Stream};
 use super::encode::{Body, Field, Header};
-use super::motion::Published;
+use super::motion::PublishedPose;
 use super::radars::{Laser, Radar};
 use super::topic::{Topic, Transform, Twist};
 
 /// A sensor or an edge of a drive.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
-pub enum FromDrive {
+pub enum DriveSource {
     /// `sensor_msgs/msg/Imu`.
     Imu,
     /// `vn_driver/msg/Vectornav`: the Imu within, with an empty header of its own.
@@ -67,7 +67,7 @@ pub struct Offset {
 
 /// What the drive says on a topic, and on each of its transforms: a row for each tick.
 #[derive(Debug)]
-pub struct Driven {
+pub struct DriveRows {
     pub(super) rows: Option<Rows>,
     pub(super) edges: Vec<Option<Vec<PoseRow>>>,
 }
@@ -86,7 +86,7 @@ pub enum Rows {
     Ranges(Vec<Vec<f64>>),
 }
 
-impl FromDrive {
+impl DriveSource {
     pub(super) fn message_type(self) -> &'static str {
         match self {
             Self::Imu => "sensor_msgs/msg/Imu",
@@ -127,50 +127,50 @@ impl From<Offset> for Isometry3<f64> {
 
 impl Topic {
     /// What the recipe's drive says at the ticks.
-    pub(super) fn driven(&self, drive: Option<&Drive>, ticks: &[f64], start_s: f64) -> Driven {
+    pub(super) fn driven(&self, drive: Option<&Drive>, ticks: &[f64], start_s: f64) -> DriveRows {
         let the_drive = || drive.unwrap_or_else(|| panic!("`{}` is of a drive; the recipe has none", self.name));
         let rows = self.from_drive.map(|kind| {
             let (drive, stream) = (the_drive(), self.stream(ticks));
             match kind {
-                FromDrive::Imu | FromDrive::Ins => Rows::Imu(drive.imu_rows(&stream)),
-                FromDrive::Fix | FromDrive::GpsFix | FromDrive::CustomGps => {
+                DriveSource::Imu | DriveSource::Ins => Rows::Imu(drive.imu_rows(&stream)),
+                DriveSource::Fix | DriveSource::GpsFix | DriveSource::CustomGps => {
                     let velocity = Stream {
                         errors: Vec::new(),
                         ..stream.clone()
                     };
                     Rows::Fix(drive.fix_rows(&stream), drive.velocity_rows(&velocity))
                 }
-                FromDrive::GnssVelocity => Rows::Velocity(drive.velocity_rows(&stream)),
-                FromDrive::Heading => Rows::Pose(drive.heading_rows(&stream)),
-                FromDrive::Nmea => Rows::Sentences(drive.sentences(&stream, &self.sentences, start_s)),
-                FromDrive::Odometry => Rows::Odometry(drive.odometry_rows(&stream)),
-                FromDrive::Pose => Rows::Pose(drive.pose_rows(&stream)),
-                FromDrive::Lidar => {
+                DriveSource::GnssVelocity => Rows::Velocity(drive.velocity_rows(&stream)),
+                DriveSource::Heading => Rows::Pose(drive.heading_rows(&stream)),
+                DriveSource::Nmea => Rows::Sentences(drive.sentences(&stream, &self.sentences, start_s)),
+                DriveSource::Odometry => Rows::Odometry(drive.odometry_rows(&stream)),
+                DriveSource::Pose => Rows::Pose(drive.pose_rows(&stream)),
+                DriveSource::Lidar => {
                     let lidar = self.lidar();
                     let (scanner, scene) = (lidar.scanner(), drive.scene(lidar.surroundings));
                     let starts = ticks.iter().map(|tick| tick - lidar.before_stamp_s());
                     let scan = |start_s| drive.scan(&scene, &scanner, &stream.base_from_sensor, start_s);
                     Rows::Scans(starts.map(scan).collect())
                 }
-                FromDrive::Radar => {
+                DriveSource::Radar => {
                     let (antenna, mount) = (self.radar().antenna(), &stream.base_from_sensor);
                     let scan = |tick: &f64| drive.echoes(&antenna, mount, tick - stream.late_s, stream.noise);
                     Rows::Echoes(ticks.iter().map(scan).collect())
                 }
-                FromDrive::Laser => {
+                DriveSource::Laser => {
                     let fan = self.laser().fan();
                     let scene = drive.scene(Surroundings::Street);
                     let scan = |tick: &f64| drive.fan(&scene, &fan, &stream.base_from_sensor, tick - stream.late_s);
                     Rows::Ranges(ticks.iter().map(scan).collect())
                 }
-                FromDrive::MapOdom | FromDrive::Earth => panic!("{kind:?} is an edge of TF, not a topic"),
+                DriveSource::MapOdom | DriveSource::Earth => panic!("{kind:?} is an edge of TF, not a topic"),
             }
         });
         let edge = |transform: &Transform| {
             let kind = transform.from_drive?;
             Some(transform.rows(kind, the_drive(), ticks))
         };
-        Driven {
+        DriveRows {
             rows,
             edges: self.transforms.iter().map(edge).collect(),
         }
@@ -201,7 +201,7 @@ impl Topic {
         }
         // What is measured in one GNSS frame comes from one receiver.
         let name = match self.from_drive {
-            Some(FromDrive::Imu | FromDrive::Ins | FromDrive::Odometry | FromDrive::Pose) => self.name.clone(),
+            Some(DriveSource::Imu | DriveSource::Ins | DriveSource::Odometry | DriveSource::Pose) => self.name.clone(),
             _ => format!("receiver {}", self.frame_id),
         };
         Stream {
@@ -219,7 +219,7 @@ impl Topic {
 }
 
 impl Transform {
-    fn rows(&self, kind: FromDrive, drive: &Drive, ticks: &[f64]) -> Vec<PoseRow> {
+    fn rows(&self, kind: DriveSource, drive: &Drive, ticks: &[f64]) -> Vec<PoseRow> {
         let stream = Stream {
             late_s: self.late_s,
             base_from_sensor: Offset {
@@ -234,10 +234,10 @@ impl Transform {
             ..Stream::new(&self.child, ticks.to_vec())
         };
         match kind {
-            FromDrive::Odometry => drive.odometry_rows(&stream).into_iter().map(|row| row.pose).collect(),
-            FromDrive::Pose => drive.pose_rows(&stream),
-            FromDrive::MapOdom => drive.map_odom_rows(&stream),
-            FromDrive::Earth => drive.earth_rows(&stream),
+            DriveSource::Odometry => drive.odometry_rows(&stream).into_iter().map(|row| row.pose).collect(),
+            DriveSource::Pose => drive.pose_rows(&stream),
+            DriveSource::MapOdom => drive.map_odom_rows(&stream),
+            DriveSource::Earth => drive.earth_rows(&stream),
             _ => panic!("{kind:?} is a topic, not an edge of TF"),
         }
     }
@@ -254,11 +254,11 @@ impl Rows {
     ) -> Vec<Body<'a>> {
         let with_covariance = message_type.contains("WithCovariance");
         let fields = match self {
-            Self::Imu(rows) if topic.from_drive == Some(FromDrive::Ins) => ins_fields(&rows[number]),
+            Self::Imu(rows) if topic.from_drive == Some(DriveSource::Ins) => ins_fields(&rows[number]),
             Self::Imu(rows) => imu_fields(&rows[number]),
             Self::Fix(rows, velocities) => match topic.from_drive {
-                Some(FromDrive::GpsFix) => gps_fix_fields(header, &rows[number], &velocities[number]),
-                Some(FromDrive::CustomGps) => custom_gps_fields(&rows[number]),
+                Some(DriveSource::GpsFix) => gps_fix_fields(header, &rows[number], &velocities[number]),
+                Some(DriveSource::CustomGps) => custom_gps_fields(&rows[number]),
                 _ => fix_fields(&rows[number]),
             },
             Self::Velocity(rows) => {
@@ -274,7 +274,7 @@ impl Rows {
             Self::Pose(rows) => {
                 let row = &rows[number];
                 let [position, orientation] = pose_fields(row.published());
-                if topic.from_drive == Some(FromDrive::Heading) {
+                if topic.from_drive == Some(DriveSource::Heading) {
                     vec![orientation]
                 } else {
                     let covariance = with_covariance.then(|| Field::F64s(row.covariance.into()));
@@ -314,8 +314,8 @@ pub(super) fn sentence_ns(k: usize) -> i64 {
 }
 
 impl PoseRow {
-    pub(super) fn published(&self) -> Published {
-        Published {
+    pub(super) fn published(&self) -> PublishedPose {
+        PublishedPose {
             position: self.position,
             orientation: self.orientation,
         }

@@ -2,24 +2,24 @@
 
 use std::path::Path;
 
-use frames_lint::read::bag::{self, Channel, Extent, Message, Recording, Visit, Wanted};
+use frames_lint::read::bag::{self, Channel, Extent, Message, Recording, Selection, Visit};
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 
 /// A message by its topic, log time and bytes.
-pub type Said = (String, i64, Vec<u8>);
+pub type TopicMessage = (String, i64, Vec<u8>);
 
 /// What a reader handed on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Heard {
+pub struct Delivery {
     /// Channels, in the order they were told.
     pub channels: Vec<Channel>,
     /// Messages, in the order of the file.
-    pub messages: Vec<Said>,
+    pub messages: Vec<TopicMessage>,
     /// How often messages were left out.
     pub seams: usize,
 }
 
-impl Visit for Heard {
+impl Visit for Delivery {
     fn channel(&mut self, channel: &Channel) {
         assert_eq!(channel.number, self.channels.len());
         self.channels.push(channel.clone());
@@ -37,13 +37,13 @@ impl Visit for Heard {
 }
 
 /// Reads the recording at a path, whose status and numbers must agree.
-pub fn read_from(path: &Path) -> (Source, Extent, Heard) {
-    wanted_from(path, &Wanted::ALL)
+pub fn read_from(path: &Path) -> (Source, Extent, Delivery) {
+    wanted_from(path, &Selection::ALL)
 }
 
-fn wanted_from(path: &Path, wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
+fn wanted_from(path: &Path, wanted: &Selection<'_>) -> (Source, Extent, Delivery) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Rosbag1);
-    let mut heard = Heard::default();
+    let mut heard = Delivery::default();
     let extent = bag::read(
         &Recording { path, parts: &[] },
         wanted,
@@ -62,12 +62,12 @@ fn wanted_from(path: &Path, wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
 }
 
 /// Reads a bag given as bytes.
-pub fn read(bytes: &[u8]) -> (Source, Extent, Heard) {
-    wanted(bytes, &Wanted::ALL)
+pub fn read(bytes: &[u8]) -> (Source, Extent, Delivery) {
+    wanted(bytes, &Selection::ALL)
 }
 
 /// Reads some of a bag given as bytes.
-pub fn wanted(bytes: &[u8], wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
+pub fn wanted(bytes: &[u8], wanted: &Selection<'_>) -> (Source, Extent, Delivery) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.bag");
     std::fs::write(&path, bytes).unwrap();
@@ -75,7 +75,7 @@ pub fn wanted(bytes: &[u8], wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
 }
 
 /// Whether messages are some of others, in their order.
-pub fn are_some_of(part: &[Said], whole: &[Said]) -> bool {
+pub fn are_some_of(part: &[TopicMessage], whole: &[TopicMessage]) -> bool {
     let mut rest = whole.iter();
     part.iter().all(|message| rest.any(|other| other == message))
 }

@@ -49,7 +49,7 @@ pub mod topic;
 
 use std::path::{Path, PathBuf};
 
-use frames_lint::collect::{Collected, How, collect};
+use frames_lint::collect::{CollectOptions, Collection, collect};
 use frames_lint::engine::{self, Options};
 use frames_lint::run::Run;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
@@ -83,7 +83,7 @@ pub fn copy_platform(platform: &Path, folder: &Path) {
 }
 
 /// Collects a recording given as bytes.
-pub fn collected(bytes: &[u8]) -> (Source, Collected) {
+pub fn collected(bytes: &[u8]) -> (Source, Collection) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("drive.mcap");
     std::fs::write(&path, bytes).expect("the MCAP is written");
@@ -91,9 +91,9 @@ pub fn collected(bytes: &[u8]) -> (Source, Collected) {
 }
 
 /// Collects the recording at a path.
-pub fn collected_from(path: &Path) -> (Source, Collected) {
+pub fn collected_from(path: &Path) -> (Source, Collection) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Mcap);
-    let collected = collect(path, &How::default(), &mut source, &|_, _| {});
+    let collected = collect(path, &CollectOptions::default(), &mut source, &|_, _| {});
     (source, collected)
 }
 
@@ -115,7 +115,7 @@ pub fn evidence(recipe: &str) -> BagEvidence {
 }
 
 /// The one bag of what was collected.
-pub fn bag(collected: &Collected) -> &BagEvidence {
+pub fn bag(collected: &Collection) -> &BagEvidence {
     &collected.facts.bags[0]
 }
 

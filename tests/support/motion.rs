@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 /// A pose `parent_from_child` as published: metres, and `x y z w`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Published {
+pub struct PublishedPose {
     /// Metres.
     pub position: [f64; 3],
     /// `x y z w`.
@@ -30,7 +30,7 @@ pub struct Jump {
 /// What a second writer says: every second message is displaced.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Alternate {
+pub struct SecondWriter {
     /// Shift in the parent's axes, metres.
     #[serde(default)]
     pub by: [f64; 3],
@@ -66,7 +66,7 @@ pub struct Motion {
     #[serde(default = "one_hz")]
     pub wobble_hz: f64,
     /// What every second message is displaced by.
-    pub alternate: Option<Alternate>,
+    pub alternate: Option<SecondWriter>,
     /// Standard deviation of each coordinate, metres.
     #[serde(default)]
     pub noise_m: f64,
@@ -78,7 +78,7 @@ fn one_hz() -> f64 {
 
 impl Motion {
     /// The pose that the `tick`-th message, at `at_s` seconds, publishes; `seed` is the noise's.
-    pub fn at(&self, at_s: f64, tick: u64, seed: &str) -> Published {
+    pub fn at(&self, at_s: f64, tick: u64, seed: &str) -> PublishedPose {
         let (mut position, mut turn) = self.smooth(at_s, self.jumps.len());
         if let Some(alternate) = self.alternate.filter(|_| tick % 2 == 1) {
             position = add(position, alternate.by);
@@ -98,7 +98,7 @@ impl Motion {
             Some(published) if turn == 0.0 => published,
             Some(published) => product(quaternion(0.0, 0.0, turn), published),
         };
-        Published { position, orientation }
+        PublishedPose { position, orientation }
     }
 
     /// Position, and the turn that the first `jumps` jumps add, after `at_s` seconds at constant speed and yaw rate.

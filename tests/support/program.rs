@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(180);
 
 /// What became of one call.
 #[derive(Debug)]
-pub struct Ran {
+pub struct CallResult {
     /// The exit code; -1 where a signal ended it.
     pub code: i32,
     /// Standard output.
@@ -27,7 +27,7 @@ pub struct Ran {
     pub peak_mb: u64,
 }
 
-impl Ran {
+impl CallResult {
     /// Standard output as text.
     pub fn text(&self) -> String {
         String::from_utf8(self.out.clone()).expect("a report is UTF-8")
@@ -46,7 +46,7 @@ impl Ran {
 }
 
 /// Runs `frames-lint` in `folder`.
-pub fn run<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Ran {
+pub fn run<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> CallResult {
     run_with(folder, arguments, &[])
 }
 
@@ -55,7 +55,7 @@ pub fn run_with<S: AsRef<OsStr>>(
     folder: &Path,
     arguments: impl IntoIterator<Item = S>,
     environment: &[(&str, &str)],
-) -> Ran {
+) -> CallResult {
     let mut out = tempfile::tempfile().expect("a temporary file");
     let mut err = tempfile::tempfile().expect("a temporary file");
     let mut child = Command::new(env!("CARGO_BIN_EXE_frames-lint"))
@@ -88,7 +88,7 @@ pub fn run_with<S: AsRef<OsStr>>(
         file.read_to_end(&mut bytes).expect("a file is readable");
         bytes
     };
-    Ran {
+    CallResult {
         code: status.code().unwrap_or(-1),
         out: bytes(&mut out),
         err: String::from_utf8_lossy(&bytes(&mut err)).into_owned(),
@@ -108,7 +108,7 @@ fn resident_mb(process: u32) -> u64 {
 }
 
 /// What holds of every run.
-pub fn is_sound(ran: &Ran, what: &str) {
+pub fn is_sound(ran: &CallResult, what: &str) {
     let err = &ran.err;
     assert!(
         !err.contains("panicked") && !err.contains("internal error"),

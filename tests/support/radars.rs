@@ -81,7 +81,7 @@ impl Radar {
 
     /// The messages of a scan.
     pub fn bodies<'a>(&self, echoes: &[Echo], header: Header<'a>) -> Vec<Body<'a>> {
-        let told: Vec<[f64; 4]> = echoes.iter().map(|echo| self.told(echo)).collect();
+        let columns: Vec<[f64; 4]> = echoes.iter().map(|echo| self.columns(echo)).collect();
         let polar = |[x, y, z, _]: &[f64; 4]| {
             let flat = x.hypot(*y);
             [flat.hypot(*z), y.atan2(*x), z.atan2(flat)]
@@ -89,8 +89,8 @@ impl Radar {
         let f32 = |value: f64| Field::F32(value as f32);
         let list = match self.driver {
             RadarDriver::Scan => {
-                let mut fields = vec![Field::Count(told.len())];
-                for one in &told {
+                let mut fields = vec![Field::Count(columns.len())];
+                for one in &columns {
                     fields.extend(polar(one).map(f32));
                     fields.extend([f32(one[3]), f32(10.0)]);
                 }
@@ -98,8 +98,8 @@ impl Radar {
             }
             RadarDriver::Nebula => {
                 let mut fields = vec![Field::U32(0), Field::U8(0), Field::U8(0), Field::U8(0), Field::U32(0)];
-                fields.extend([f32(50.0), f32(70.0), Field::Count(told.len())]);
-                for one in &told {
+                fields.extend([f32(50.0), f32(70.0), Field::Count(columns.len())]);
+                for one in &columns {
                     let [range, azimuth, _] = polar(one);
                     fields.extend([range, azimuth, one[3], 3.0].map(f32));
                     fields.extend((0..6).map(Field::U8));
@@ -109,12 +109,14 @@ impl Radar {
             }
             RadarDriver::Smartmicro => cloud(
                 &["x", "y", "z", "radial_speed", "power", "RCS", "Noise"],
-                told.iter()
+                columns
+                    .iter()
                     .map(|[x, y, z, rate]| vec![*x, *y, *z, *rate, 90.0, 4.0, 30.0]),
             ),
             RadarDriver::Nuscenes => cloud(
                 &["x", "y", "z", "rcs", "vx", "vy", "vx_comp", "vy_comp"],
-                told.iter()
+                columns
+                    .iter()
                     .map(|[x, y, z, rate]| vec![*x, *y, *z, 5.0, *rate, 0.0, 0.0, 0.0]),
             ),
             RadarDriver::TiMmwave => {
@@ -126,7 +128,7 @@ impl Radar {
                     fields.extend([azimuth.to_degrees(), 12.0].map(f32));
                     Body::Fields(header, fields)
                 };
-                return (0..).zip(&told).map(one).collect();
+                return (0..).zip(&columns).map(one).collect();
             }
             RadarDriver::Delphi => {
                 let one = |(id, one): (u8, &[f64; 4])| {
@@ -149,14 +151,14 @@ impl Radar {
                     ];
                     Body::Fields(header, fields)
                 };
-                return (1..=64).zip(&told).map(one).collect();
+                return (1..=64).zip(&columns).map(one).collect();
             }
         };
         vec![Body::Fields(header, list)]
     }
 
     /// x, y, z and the rate as the driver tells them.
-    fn told(&self, echo: &Echo) -> [f64; 4] {
+    fn columns(&self, echo: &Echo) -> [f64; 4] {
         let rate = if self.compensated {
             echo.rate - echo.still_rate
         } else {
@@ -262,12 +264,12 @@ impl Laser {
             fan.reach_m,
         ];
         let mut fields: Vec<Field<'a>> = head.iter().map(|value| Field::F32(*value as f32)).collect();
-        let mut told: Vec<f64> = ranges.to_vec();
+        let mut columns: Vec<f64> = ranges.to_vec();
         if self.backward {
-            told.reverse();
+            columns.reverse();
         }
-        fields.push(Field::Count(told.len()));
-        fields.extend(told.iter().map(|range| Field::F32(*range as f32)));
+        fields.push(Field::Count(columns.len()));
+        fields.extend(columns.iter().map(|range| Field::F32(*range as f32)));
         fields.push(Field::Empty(1));
         fields
     }

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use frames_lint::collect::{Collected, How, collect};
-use frames_lint::read::bag::{self, Channel, Extent, Recording, Sampling, Visit, Wanted};
+use frames_lint::collect::{CollectOptions, Collection, collect};
+use frames_lint::read::bag::{self, Channel, Extent, Recording, Sampling, Selection, Visit};
 use frames_lint::read::discover::discover;
 use frames_lint::read::input::Input;
 use frames_lint::source::{Source, SourceId, SourceKind};
@@ -15,23 +15,23 @@ pub fn folder() -> tempfile::TempDir {
 }
 
 /// Collects an input as the engine does.
-pub fn collect_input(input: &Input) -> (Source, Collected) {
+pub fn collect_input(input: &Input) -> (Source, Collection) {
     let mut source = Source::new(SourceId(0), input.display.clone(), input.kind);
     let parts = if input.kind == SourceKind::Rosbag2 {
         Vec::new()
     } else {
         input.parts.clone()
     };
-    let how = How {
+    let how = CollectOptions {
         parts,
-        ..How::default()
+        ..CollectOptions::default()
     };
     let collected = collect(&input.path, &how, &mut source, &|_, _| {});
     (source, collected)
 }
 
 /// The one input that is found at a path, collected.
-pub fn found(path: &Path) -> (Source, Collected) {
+pub fn found(path: &Path) -> (Source, Collection) {
     let inputs = discover(&[path.to_path_buf()]).files;
     assert_eq!(inputs.len(), 1, "{inputs:#?}");
     collect_input(&inputs[0])
@@ -44,7 +44,7 @@ pub fn messages(source: &Source) -> Vec<&str> {
 
 /// What a reader told, in order.
 #[derive(Default)]
-pub struct Heard {
+pub struct ReadLog {
     pub channels: Vec<Channel>,
     /// Topic, time, first bytes.
     pub messages: Vec<(String, i64, Vec<u8>)>,
@@ -52,7 +52,7 @@ pub struct Heard {
     pub seams: Vec<usize>,
 }
 
-impl Visit for Heard {
+impl Visit for ReadLog {
     fn channel(&mut self, channel: &Channel) {
         assert_eq!(channel.number, self.channels.len());
         self.channels.push(channel.clone());
@@ -69,7 +69,7 @@ impl Visit for Heard {
     }
 }
 
-impl Heard {
+impl ReadLog {
     /// Messages of a topic.
     pub fn count(&self, topic: &str) -> usize {
         self.messages.iter().filter(|(name, ..)| name == topic).count()
@@ -84,10 +84,10 @@ impl Heard {
 }
 
 /// Reads a file or folder; topics called `tf_static` are wanted throughout, `/points` in a row.
-pub fn read(path: &Path, sampling: Option<Sampling>) -> (Source, Extent, Heard) {
+pub fn read(path: &Path, sampling: Option<Sampling>) -> (Source, Extent, ReadLog) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Sqlite);
-    let mut heard = Heard::default();
-    let wanted = Wanted {
+    let mut heard = ReadLog::default();
+    let wanted = Selection {
         sampling,
         throughout: &|channel| channel.topic.ends_with("tf_static"),
         in_a_row: &|channel| channel.topic == "/points",

@@ -1,10 +1,10 @@
 //! Drives of ROS 2 as ROS 1 bags.
 
-use super::rosbag1::{Connection, Layout, Rosbag1, Written};
+use super::rosbag1::{BagFile, Connection, Layout, Rosbag1};
 use super::rosbag2::Drive;
 
 /// The drive: messages in ROS 1's serialization, names of types without `msg`.
-pub fn bag_of(drive: &Drive, layout: Layout) -> Written {
+pub fn bag_of(drive: &Drive, layout: Layout) -> BagFile {
     let mut bag = Rosbag1::new(layout);
     let connections: Vec<(u32, &str)> = drive
         .topics

@@ -119,7 +119,7 @@ impl Default for Connection<'_> {
 
 /// A bag that was written, and where its parts stand.
 #[derive(Clone, Debug)]
-pub struct Written {
+pub struct BagFile {
     /// The file.
     pub bytes: Vec<u8>,
     /// Byte of the record of every chunk.
@@ -138,7 +138,7 @@ struct Chunk {
 /// A recording in the making.
 pub struct Rosbag1 {
     layout: Layout,
-    written: Written,
+    written: BagFile,
     connections: Vec<Vec<u8>>,
     /// Connections that stand in a chunk already.
     introduced: usize,
@@ -195,7 +195,7 @@ impl Rosbag1 {
         let index = bytes.len();
         Self {
             layout,
-            written: Written {
+            written: BagFile {
                 bytes,
                 chunks: Vec::new(),
                 index,
@@ -310,7 +310,7 @@ impl Rosbag1 {
     }
 
     /// Ends the recording.
-    pub fn finish(mut self) -> Written {
+    pub fn finish(mut self) -> BagFile {
         if self.layout.ending == Ending::Active {
             let bytes = std::mem::take(&mut self.chunk.bytes);
             let packed = self.layout.compression.pack(&bytes);

@@ -1,10 +1,10 @@
 //! The ROS 1 bag that most tests read or damage.
 
-use super::heard::Said;
-use super::rosbag1::{Compression, Connection, Layout, Rosbag1, Written};
+use super::heard::TopicMessage;
+use super::rosbag1::{BagFile, Compression, Connection, Layout, Rosbag1};
 
 /// 300 messages on three connections, two of them of one topic. Bytes and times follow from the message's number.
-pub fn drive(layout: Layout) -> (Written, Vec<Said>) {
+pub fn drive(layout: Layout) -> (BagFile, Vec<TopicMessage>) {
     let mut bag = Rosbag1::new(layout);
     let imu = bag.connection(&Connection {
         topic: "/imu",

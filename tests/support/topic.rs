@@ -7,9 +7,9 @@ use super::clouds::Lidar;
 use super::drive::nmea::Kind;
 use super::drive::rows::PoseRow;
 use super::drive::{Error, Place};
-use super::driven::{Driven, FromDrive, Offset, sentence_ns};
+use super::driven::{DriveRows, DriveSource, Offset, sentence_ns};
 use super::encode::{Body, Endian, Header, Transform as RawTransform};
-use super::motion::{Motion, Published, even};
+use super::motion::{Motion, PublishedPose, even};
 use super::radars::{Laser, Radar};
 use super::raw::RawChannel;
 use super::schemas;
@@ -85,7 +85,7 @@ pub struct Topic {
     pub(super) motion: Motion,
 
     /// Which sensor of the recipe's drive this is. The knobs up to `sentences` belong to it.
-    pub from_drive: Option<FromDrive>,
+    pub from_drive: Option<DriveSource>,
     #[serde(default)]
     pub(super) errors: Vec<Error>,
     #[serde(default)]
@@ -180,7 +180,7 @@ pub struct Transform {
     pub until_s: Option<f64>,
 
     /// Which edge of the recipe's drive this is. The knobs below belong to it.
-    pub from_drive: Option<FromDrive>,
+    pub from_drive: Option<DriveSource>,
     #[serde(default)]
     pub(super) errors: Vec<Error>,
     #[serde(default)]
@@ -307,7 +307,7 @@ impl Topic {
     }
 
     /// The `number`-th messages, at a time: one, but for sentences; none for TF without an active transform.
-    pub(super) fn messages(&self, at_s: f64, number: u64, stamp_ns: i64, driven: &Driven) -> Vec<Vec<u8>> {
+    pub(super) fn messages(&self, at_s: f64, number: u64, stamp_ns: i64, driven: &DriveRows) -> Vec<Vec<u8>> {
         let header = Header {
             stamp_ns,
             frame_id: &self.frame_id,
@@ -343,7 +343,7 @@ impl Topic {
 
 impl Transform {
     /// The transform of the `number`-th message.
-    fn at(&self, at_s: f64, number: u64, stamp_ns: i64, driven: Option<Published>) -> RawTransform<'_> {
+    fn at(&self, at_s: f64, number: u64, stamp_ns: i64, driven: Option<PublishedPose>) -> RawTransform<'_> {
         let pose = driven.unwrap_or_else(|| self.motion.at(at_s, number, &self.child));
         RawTransform {
             header: Header {

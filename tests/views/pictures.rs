@@ -8,11 +8,11 @@ use crate::{program, root, support};
 /// Views with a name, what they are of, and the rule whose finding they open on; none where the robot is sound.
 struct Picture {
     name: &'static str,
-    of: Of,
+    of: PictureSource,
     rule: Option<&'static str>,
 }
 
-enum Of {
+enum PictureSource {
     Folder(&'static str),
     Recipe(&'static str),
 }
@@ -20,17 +20,17 @@ enum Of {
 const PICTURES: [Picture; 8] = [
     Picture {
         name: "sources",
-        of: Of::Folder("fixtures/first-finding"),
+        of: PictureSource::Folder("fixtures/first-finding"),
         rule: Some("CROSS02"),
     },
     Picture {
         name: "robot",
-        of: Of::Folder("fixtures/robots/arm"),
+        of: PictureSource::Folder("fixtures/robots/arm"),
         rule: None,
     },
     Picture {
         name: "ground",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 16
 drive: {vehicle: car, motion: turning, seed: 3}
 topics:
@@ -44,7 +44,7 @@ topics:
     },
     Picture {
         name: "direction",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 30
 drive: {vehicle: car, motion: turning, seed: 3}
 topics:
@@ -58,7 +58,7 @@ topics:
     },
     Picture {
         name: "tracks",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 120
 drive: {vehicle: car, motion: turning, seed: 5}
 topics:
@@ -70,7 +70,7 @@ topics:
     },
     Picture {
         name: "ouster",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 2
 drive: {vehicle: car, motion: turning, seed: 3}
 topics:
@@ -82,7 +82,7 @@ topics:
     },
     Picture {
         name: "lag",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 90
 drive: {vehicle: car, motion: turning, seed: 3}
 topics:
@@ -94,7 +94,7 @@ topics:
     },
     Picture {
         name: "camera",
-        of: Of::Recipe(
+        of: PictureSource::Recipe(
             "duration_s: 2
 drive: {vehicle: car, motion: turning, seed: 3}
 topics:
@@ -110,13 +110,13 @@ topics:
     },
 ];
 
-fn laid_out(of: &Of, folder: &Path) -> PathBuf {
+fn laid_out(of: &PictureSource, folder: &Path) -> PathBuf {
     match of {
-        Of::Folder(known) => {
+        PictureSource::Folder(known) => {
             support::copy_platform(&root().join(known), folder);
             folder.to_path_buf()
         }
-        Of::Recipe(recipe) => {
+        PictureSource::Recipe(recipe) => {
             let file = folder.join("drive.mcap");
             support::write(recipe, &file);
             file

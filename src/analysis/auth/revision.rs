@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::source::{Derived, Place};
+use crate::source::{Derivation, Place};
 use crate::world::robot::{Joint, NumberList};
 use crate::world::{FrameId, Robot, World};
 
@@ -154,5 +154,5 @@ pub(crate) struct Limits {
 /// Whether the robot was described in a recording.
 pub(crate) fn is_recorded(world: &World, robot: &Robot) -> bool {
     let source = world.source(robot.source);
-    source.is_some_and(|source| matches!(source.derived, Some(Derived::Message(_))))
+    source.is_some_and(|source| matches!(source.derived, Some(Derivation::Message(_))))
 }

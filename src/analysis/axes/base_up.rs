@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::analysis::{axes::causes::Base, look::Look, motion::Imu};
+use crate::analysis::{axes::causes::Base, look::Estimate, motion::Imu};
 use crate::verdict::NotEvaluated;
 
 #[derive(Debug, Deserialize)]
@@ -18,8 +18,8 @@ pub(crate) struct Limits {
     pub(crate) down_deg: f64,
 }
 
-/// What was seen.
-pub(crate) struct Up {
+/// The direction of gravity in the axes of the base.
+pub(crate) struct BaseUp {
     pub(crate) class: Base,
     /// Angle between the acceleration and the base's z axis, radians.
     pub(crate) angle_rad: f64,
@@ -32,7 +32,7 @@ pub(crate) struct Up {
 }
 
 /// Direction of the acceleration, at rest or over a drive.
-pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Estimate<BaseUp> {
     let little = |reason: String| (NotEvaluated::TooLittleEvidence, reason);
     if imu.mount.is_none() {
         let reason = match &imu.stream.frame {
@@ -91,7 +91,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
         degrees if degrees >= limits.down_deg => Base::Down,
         _ => Base::Side,
     };
-    Ok(Up {
+    Ok(BaseUp {
         class,
         angle_rad,
         direction,

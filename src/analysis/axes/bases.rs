@@ -7,8 +7,8 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Turned};
-use crate::analysis::{Estimates, axes::turns_with::turns_with, look::Look, names};
+use crate::analysis::motion::{BagMotion, Imu, Motion, Orientations, Stream};
+use crate::analysis::{Estimates, axes::turns_with::turns_with, look::Estimate, names};
 use crate::math::readings::Reading;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -54,7 +54,7 @@ impl Axis {
 }
 
 /// Measurements of one base.
-pub(crate) struct Seen {
+pub(crate) struct BaseEstimate {
     /// The axis of the base that points forward.
     pub(crate) forward: Option<Axis>,
     /// Agreement of the windows on it, 0 to 1.
@@ -72,7 +72,7 @@ pub(crate) struct Seen {
     pub(crate) is_up_reordered: bool,
 }
 
-impl Seen {
+impl BaseEstimate {
     /// Whether the base itself is rotated: the pose shows it, and nothing contradicts.
     pub(crate) fn is_turned(&self) -> bool {
         self.is_upside_down() || self.is_sideways()
@@ -115,7 +115,7 @@ pub(crate) struct Base {
     /// The stream that shows it.
     pub(crate) stream: String,
     pub(crate) place: Place,
-    pub(crate) seen: Look<Seen>,
+    pub(crate) seen: Estimate<BaseEstimate>,
 }
 
 /// The bases of each recording, in the order of [`Motion`].
@@ -158,7 +158,7 @@ fn bases(world: &Estimates, bag: &BagMotion) -> Vec<Base> {
         }
         found.retain(|base| base.frame != frame);
         let by_gravity = bag.imus.iter().find_map(|imu| up_by(imu, &frame, &gravity, &limits));
-        let turned = Turned::of(stream);
+        let turned = Orientations::of(stream);
         let is_on_it = |imu: &&Imu| imu.mount.as_ref().is_some_and(|mount| mount.base == frame);
         let mut on_it = bag.imus.iter().filter(is_on_it);
         let against =
@@ -194,7 +194,7 @@ fn look(
     gravity: Option<(Axis, String)>,
     against: Option<String>,
     limits: &Limits,
-) -> Look<Seen> {
+) -> Estimate<BaseEstimate> {
     let (mut forward, mut up, mut twist) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     let (mut way_m, mut rows, mut reordered) = (0.0, 0.0, Vector3::zeros());
     for window in stream.windows(limits.window_s, limits.max_step_s) {
@@ -234,7 +234,7 @@ fn look(
     if way_m < limits.min_way_m {
         // A stationary base has no forward axis, but an up axis.
         let seen = standing(stream, gravity, against, limits);
-        if let Some(seen) = seen.filter(Seen::is_upside_down) {
+        if let Some(seen) = seen.filter(BaseEstimate::is_upside_down) {
             return Ok(seen);
         }
         let why = format!(
@@ -256,7 +256,7 @@ fn look(
     };
     let forward = steady(forward, way_m);
     let twist = (twist.norm() > 0.0).then_some(twist);
-    Ok(Seen {
+    Ok(BaseEstimate {
         forward,
         concentration,
         up: steady(up, rows),
@@ -276,7 +276,7 @@ fn standing(
     gravity: Option<(Axis, String)>,
     against: Option<String>,
     limits: &Limits,
-) -> Option<Seen> {
+) -> Option<BaseEstimate> {
     let orientations = stream
         .rows()
         .filter_map(|timed| Reading::Xyzw.world_from_body(timed.row.orientation));
@@ -285,7 +285,7 @@ fn standing(
     let is_steady = !ups.is_empty() && sum.norm() >= limits.min_concentration * ups.len() as f64;
     let up = Axis::near(&sum, limits.max_angle_deg).filter(|up| is_steady && up.index == 2 && up.is_negative)?;
     gravity.as_ref().filter(|(axis, _)| *axis == up)?;
-    Some(Seen {
+    Some(BaseEstimate {
         forward: None,
         concentration: 0.0,
         up: Some(up),

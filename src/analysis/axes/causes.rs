@@ -2,7 +2,7 @@
 //!
 //! Owns the classes of the measurements and the table of faults. Must not measure, nor decide which rule reports.
 
-use crate::analysis::motion::ExpressedIn;
+use crate::analysis::motion::StreamConvention;
 
 /// A measurement of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +139,7 @@ pub(crate) enum Push {
 
 /// The classes of one sensor's measurements; `None` where a measurement was not possible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Seen {
+pub(crate) struct Symptoms {
     pub(crate) base: Option<Base>,
     pub(crate) world: Option<World>,
     pub(crate) turn: Option<Turn>,
@@ -377,7 +377,7 @@ const NOT_NED: Cause = Cause {
 
 impl Cause {
     /// The fault as it is called for a sensor whose data were converted from a declared convention.
-    pub(crate) fn seen_from(&'static self, expressed_in: &ExpressedIn) -> &'static Self {
+    pub(crate) fn seen_from(&'static self, expressed_in: &StreamConvention) -> &'static Self {
         if *self == NED && expressed_in.is_ned() {
             &NOT_NED
         } else {
@@ -385,7 +385,7 @@ impl Cause {
         }
     }
 
-    pub(crate) fn fits(&self, seen: Seen) -> bool {
+    pub(crate) fn fits(&self, seen: Symptoms) -> bool {
         fn any<T: PartialEq>(seen: Option<T>, allowed: &[T]) -> bool {
             seen.is_none_or(|seen| allowed.contains(&seen))
         }

@@ -4,10 +4,10 @@
 
 use std::sync::Arc;
 
-use crate::analysis::motion::ExpressedIn;
+use crate::analysis::motion::StreamConvention;
 use crate::tables::InsDriver;
 
-use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Seen, Sense, Turn, World};
+use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Sense, Symptoms, Turn, World};
 
 /// The measurements in the order in which they are reported when several faults fit.
 const ORDER: [Aspect; 6] = [
@@ -29,14 +29,14 @@ pub(crate) struct Diagnosis {
     /// Whether the base moves backwards throughout, which a healthy one may do.
     pub(crate) goes_backward: bool,
     /// The convention that the sensor's data are declared in.
-    pub(crate) expressed_in: ExpressedIn,
+    pub(crate) expressed_in: StreamConvention,
     /// The driver, if names identify it.
     driver: Option<Arc<InsDriver>>,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(mut seen: Seen, expressed_in: &ExpressedIn, driver: Option<Arc<InsDriver>>) -> Self {
+    pub(crate) fn of(mut seen: Symptoms, expressed_in: &StreamConvention, driver: Option<Arc<InsDriver>>) -> Self {
         if seen.turn == Some(Turn::Ordered) {
             // The order is a fault by itself. Wrong roll and pitch tilt the world; everything else has its own cause.
             let tilted = seen.world == Some(World::Elsewhere);
@@ -132,13 +132,13 @@ fn numbered(texts: &[&str]) -> String {
 }
 
 /// A wrong driver setting that the measurements do not rule out. A heading instead of a yaw is judged by itself.
-pub(crate) fn unseen(seen: Seen) -> Option<&'static Cause> {
+pub(crate) fn unseen(seen: Symptoms) -> Option<&'static Cause> {
     let is_setting = |cause: &&Cause| cause.is_of_driver && cause.word != "compass-yaw";
     CAUSES.iter().find(|cause| is_setting(cause) && cause.fits(seen))
 }
 
 /// Whether a measurement shows something wrong.
-fn shows(seen: Seen, aspect: Aspect) -> bool {
+fn shows(seen: Symptoms, aspect: Aspect) -> bool {
     match aspect {
         Aspect::Base => seen.base.is_some_and(|base| base != Base::Up),
         Aspect::World => seen.world.is_some_and(|world| world != World::Up),
@@ -157,8 +157,8 @@ mod tests {
     use super::*;
     use crate::analysis::axes::causes::Readings;
 
-    fn words(seen: Seen) -> (Vec<&'static str>, Option<Aspect>) {
-        let diagnosis = Diagnosis::of(seen, &ExpressedIn::default(), None);
+    fn words(seen: Symptoms) -> (Vec<&'static str>, Option<Aspect>) {
+        let diagnosis = Diagnosis::of(seen, &StreamConvention::default(), None);
         (
             diagnosis.causes.iter().map(|cause| cause.word).collect(),
             diagnosis.shown_by,
@@ -167,30 +167,30 @@ mod tests {
 
     #[test]
     fn a_healthy_sensor_has_no_fault_however_little_was_seen() {
-        assert_eq!(words(Seen::default()), (vec![], None));
-        let seen = Seen {
+        assert_eq!(words(Symptoms::default()), (vec![], None));
+        let seen = Symptoms {
             base: Some(Base::Up),
             turn: Some(Turn::Agree),
-            ..Seen::default()
+            ..Symptoms::default()
         };
         assert_eq!(words(seen), (vec![], None));
     }
 
     #[test]
     fn a_track_distinguishes_a_negated_accelerometer_from_a_sensor_in_ned() {
-        let still = Seen {
+        let still = Symptoms {
             world: Some(World::Down),
             base: Some(Base::Down),
             turn: Some(Turn::Agree),
-            ..Seen::default()
+            ..Symptoms::default()
         };
         assert_eq!(words(still), (vec!["ned-frd", "gravity-sign"], Some(Aspect::World)));
-        let driven = Seen {
+        let driven = Symptoms {
             heading: Some(Heading::Against),
             ..still
         };
         assert_eq!(words(driven), (vec!["ned-frd"], Some(Aspect::World)));
-        let pushed = Seen {
+        let pushed = Symptoms {
             heading: Some(Heading::With),
             push: Some(Push::Backward),
             ..still
@@ -200,12 +200,12 @@ mod tests {
 
     #[test]
     fn the_other_measurements_rule_out_some_of_several_equal_readings() {
-        let seen = Seen {
+        let seen = Symptoms {
             turn: Some(Turn::OneOf(Readings::of(&[Turn::Inverse, Turn::Reordered]))),
-            ..Seen::default()
+            ..Symptoms::default()
         };
         assert_eq!(words(seen), (vec!["inverse", "wxyz"], Some(Aspect::Turn)));
-        let down = Seen {
+        let down = Symptoms {
             world: Some(World::Down),
             ..seen
         };
@@ -214,23 +214,23 @@ mod tests {
 
     #[test]
     fn what_no_single_fault_explains_is_shown_by_none() {
-        let seen = Seen {
+        let seen = Symptoms {
             base: Some(Base::Side),
             heading: Some(Heading::Against),
-            ..Seen::default()
+            ..Symptoms::default()
         };
         assert_eq!(words(seen), (vec![], None));
     }
 
     #[test]
     fn the_order_of_angles_is_a_fault_beside_the_others() {
-        let seen = Seen {
+        let seen = Symptoms {
             turn: Some(Turn::Ordered),
             world: Some(World::Elsewhere),
-            ..Seen::default()
+            ..Symptoms::default()
         };
         assert_eq!(words(seen), (vec![], Some(Aspect::AngleOrder)));
-        let in_ned = Seen {
+        let in_ned = Symptoms {
             world: Some(World::Down),
             base: Some(Base::Down),
             heading: Some(Heading::Against),

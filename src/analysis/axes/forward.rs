@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, in_plane};
-use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, scan_motion::Standing};
+use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, scan_motion::LevelClouds};
 use crate::math::circular::{circular_mean, difference};
 use crate::math::yaw_search::{Pair, search};
 use crate::verdict::{Measured, NotEvaluated};
@@ -37,12 +37,12 @@ pub(crate) struct Yaw {
     pub(crate) off_deg: f64,
     /// Standard error of that, degrees.
     pub(crate) error_deg: f64,
-    pub(crate) sure: Sure,
+    pub(crate) sure: YawCertainty,
     pub(crate) pairs: usize,
 }
 
-/// Evidence that there is one yaw.
-pub(crate) enum Sure {
+/// How certain it is that there is one yaw.
+pub(crate) enum YawCertainty {
     /// The directions of all pairs: the length of their mean.
     Resultant(f64),
     /// All scans together, which coincide at this yaw alone: margin to any other yaw, in standard errors.
@@ -68,8 +68,10 @@ impl Yaw {
                 .spread(self.error_deg)
                 .samples(self.pairs as u64),
             match self.sure {
-                Sure::Resultant(resultant) => Measured::new("resultant", resultant, "1").limit(limits.min_resultant),
-                Sure::Search(t) => {
+                YawCertainty::Resultant(resultant) => {
+                    Measured::new("resultant", resultant, "1").limit(limits.min_resultant)
+                }
+                YawCertainty::Search(t) => {
                     Measured::new("standard errors between this yaw and the next", t, "1").limit(SEARCH_T)
                 }
             },
@@ -94,7 +96,7 @@ pub(crate) fn look(
 
 /// The yaw at which all scans together coincide, if too few could be matched one by one; or why there is none.
 fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits) -> Result<Yaw, String> {
-    let standing = Standing::of(world, clouds).ok_or("no visible ground shows which way is up")?;
+    let standing = LevelClouds::of(world, clouds).ok_or("no visible ground shows which way is up")?;
     let motion = Motion::of(world);
     let body_at = known.body_at(world, &motion, clouds);
     let mut pairs = Vec::new();
@@ -116,7 +118,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
         }
     }
     pairs.retain(|pair: &Pair| !pair.from.is_empty() && !pair.to.is_empty());
-    let stated = known.told * standing.up_from_cloud.inverse();
+    let stated = known.stated * standing.up_from_cloud.inverse();
     let is_enough = pairs.len() >= SEARCH_PAIRS;
     let found = is_enough.then(|| search(&pairs, &in_plane(&stated), SEARCH_APART_DEG.to_radians()));
     let Some(found) = found.flatten() else {
@@ -142,7 +144,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
     Ok(Yaw {
         off_deg: found.yaw_rad.to_degrees(),
         error_deg,
-        sure: Sure::Search(found.t),
+        sure: YawCertainty::Search(found.t),
         pairs: found.pairs,
     })
 }
@@ -161,11 +163,11 @@ pub(crate) fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated
             && turned_rad.to_degrees() <= limits.max_turn_deg
             && pair.sigma_m <= limits.max_sigma * way_m
     });
-    let lever = known.told.translation.vector;
+    let lever = known.stated.translation.vector;
     let off: Vec<(f64, f64)> = straight
         .filter_map(|pair| {
             let by_poses = pair.body.translation.vector + pair.body.rotation * lever - lever;
-            let by_scans = known.told.rotation * pair.lidar.translation.vector;
+            let by_scans = known.stated.rotation * pair.lidar.translation.vector;
             let stands = by_poses.xy().norm() < 0.5 * limits.min_way_m || by_scans.xy().norm() < 0.5 * limits.min_way_m;
             let rate = pair.body.rotation.scaled_axis().z / pair.lasted_s.max(1e-3);
             (!stands).then(|| {
@@ -191,7 +193,7 @@ pub(crate) fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated
     let found = mean.map(|mean| Yaw {
         off_deg: mean.mean_rad.to_degrees(),
         error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees().hypot(late_deg),
-        sure: Sure::Resultant(mean.resultant),
+        sure: YawCertainty::Resultant(mean.resultant),
         pairs: off.len(),
     });
     let is_steady = mean.is_some_and(|mean| mean.resultant >= limits.min_resultant);

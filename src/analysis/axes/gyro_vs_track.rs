@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::analysis::axes::causes::Sense;
 use crate::analysis::axes::rates::{Integrals, Rates, Slope};
-use crate::analysis::look::{Look, needed};
+use crate::analysis::look::{Estimate, needed};
 use crate::analysis::motion::{Imu, Track};
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -22,8 +22,8 @@ pub(crate) struct Limits {
     pub(crate) min_correlation: f64,
 }
 
-/// What was seen.
-pub(crate) struct Turned {
+/// The yaw rate compared with the rotation of a track.
+pub(crate) struct GyroFit {
     pub(crate) class: Sense,
     pub(crate) slope: Slope,
     pub(crate) track: String,
@@ -31,7 +31,7 @@ pub(crate) struct Turned {
     pub(crate) is_geodetic: bool,
 }
 
-impl Turned {
+impl GyroFit {
     /// Whether the magnitudes of both turn rates match, so that the gyro is in rad/s.
     pub(crate) fn confirms_gyro(&self) -> bool {
         (0.5..=2.0).contains(&self.slope.gain.abs())
@@ -40,7 +40,7 @@ impl Turned {
 
 impl Limits {
     /// Whether a slope is significant.
-    pub(crate) fn tells(&self, slope: &Slope) -> bool {
+    pub(crate) fn is_significant(&self, slope: &Slope) -> bool {
         self.turns(slope) && slope.t().abs() >= self.min_t && slope.correlation.abs() >= self.min_correlation
     }
 
@@ -57,7 +57,7 @@ pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
     let slow = (!track.is_geodetic).then_some(limits.odometry_speed_m_s);
     let slopes = [Some(limits.speed_m_s), slow].into_iter().flatten();
     let mut slopes = slopes.map(|speed_m_s| Rates::of(&integrals, &track.courses(speed_m_s)).turning);
-    Some(slopes.find(|slope| limits.tells(slope))?.gain)
+    Some(slopes.find(|slope| limits.is_significant(slope))?.gain)
 }
 
 /// Whether the course of a track turns, but unlike the gyro: the vehicle does not move where it faces.
@@ -67,16 +67,16 @@ pub(crate) fn is_uncoupled(integrals: &Integrals, track: &Track, limits: &Limits
 }
 
 /// Sign of the gyro, by the first track with enough turns.
-pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
+pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Estimate<GyroFit> {
     needed(tracks)?;
     let mut best: Option<Slope> = None;
     let slow = tracks.iter().filter(|track| !track.is_geodetic);
     let tried = tracks.iter().map(|track| (track, limits.speed_m_s));
     for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
         let slope = Rates::of(integrals, &track.courses(speed_m_s)).turning;
-        if limits.tells(&slope) {
+        if limits.is_significant(&slope) {
             let class = if slope.gain > 0.0 { Sense::With } else { Sense::Against };
-            return Ok(Turned {
+            return Ok(GyroFit {
                 class,
                 slope,
                 track: track.subject.clone(),

@@ -6,7 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::Deserialize;
 
 use crate::analysis::motion::Track;
-use crate::math::drifting::{fit_drifting, laid_drifting};
+use crate::math::drifting::{aligned_drifting, fit_drifting};
 use crate::math::similarity2::{path_length, spread};
 use crate::math::stats::median;
 
@@ -41,7 +41,7 @@ type Fits = [Vec<f64>; 2];
 type Places = (Vec<Vector2<f64>>, Vec<Vector2<f64>>);
 
 /// One position by both tracks.
-struct Both {
+struct PositionPair {
     t_s: f64,
     odometry: Vector2<f64>,
     satellites: Vector2<f64>,
@@ -54,7 +54,7 @@ impl Votes {
         let mut rms = Fits::default();
         let mut at = odometry.follow();
         for stretch in &satellites.stretches {
-            let mut window: Vec<Both> = Vec::new();
+            let mut window: Vec<PositionPair> = Vec::new();
             // Evaluated at intervals, or the cost would grow with the square of its length.
             let mut next_s = limits.window_s;
             for (t_s, satellite) in stretch {
@@ -63,7 +63,7 @@ impl Votes {
                     next_s = limits.window_s;
                     continue;
                 };
-                window.push(Both {
+                window.push(PositionPair {
                     t_s: *t_s,
                     odometry: place.xy(),
                     satellites: Vector3::xy(satellite),
@@ -108,18 +108,23 @@ impl Votes {
     }
 
     /// The GNSS track, and the odometry fitted to it rotated and mirrored, in each window that voted: east and north, metres.
-    pub(crate) fn laid_over(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> [Vec<Vec<[f64; 2]>>; 3] {
-        let mut laid: [Vec<Vec<[f64; 2]>>; 3] = Default::default();
+    pub(crate) fn aligned_over(
+        &self,
+        satellites: &Track,
+        odometry: &Track,
+        limits: &Limits,
+    ) -> [Vec<Vec<[f64; 2]>>; 3] {
+        let mut aligned: [Vec<Vec<[f64; 2]>>; 3] = Default::default();
         for (times, (of_odometry, of_satellites)) in self.voted(satellites, odometry) {
             let most_rad_s = limits.drift_deg_s.to_radians();
-            let Some([turned, mirrored]) = laid_drifting(&times, &of_odometry, &of_satellites, most_rad_s) else {
+            let Some([turned, mirrored]) = aligned_drifting(&times, &of_odometry, &of_satellites, most_rad_s) else {
                 continue;
             };
-            for (lines, track) in laid.iter_mut().zip([of_satellites, turned, mirrored]) {
+            for (lines, track) in aligned.iter_mut().zip([of_satellites, turned, mirrored]) {
                 lines.push(track.iter().map(|place| [place.x, place.y]).collect());
             }
         }
-        laid
+        aligned
     }
 
     /// First and last time that voted, seconds after the recording's start; zeros where none did.
@@ -152,7 +157,7 @@ impl Votes {
     }
 
     /// Whether the window spreads enough; counts its vote.
-    fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
+    fn look(&mut self, window: &[PositionPair], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
         let times: Vec<_> = window.iter().map(|both| both.t_s).collect();

@@ -48,8 +48,8 @@ fn along_deg(sign: f64, offset_deg: f64) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// The GNSS track and the odometry fitted to it, rotated and mirrored, in stretches: east and north, metres.
-pub(crate) fn tracks(title: String, laid: [Vec<Vec<[f64; 2]>>; 3], with_mirrored: bool) -> Option<Plot> {
-    let [fixed, turned, mirrored] = laid;
+pub(crate) fn tracks(title: String, aligned: [Vec<Vec<[f64; 2]>>; 3], with_mirrored: bool) -> Option<Plot> {
+    let [fixed, turned, mirrored] = aligned;
     let mut series = Series::lines("GNSS", fixed);
     series.extend(Series::lines("odometry, rotated to fit", turned));
     if with_mirrored {

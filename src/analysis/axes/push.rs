@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::analysis::axes::causes::Push;
 use crate::analysis::axes::rates::{Integrals, Rates, Slope};
-use crate::analysis::look::{Look, needed};
+use crate::analysis::look::{Estimate, needed};
 use crate::analysis::motion::{Imu, Track};
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -23,8 +23,8 @@ pub(crate) struct Limits {
     pub(crate) gravity: f64,
 }
 
-/// What was seen.
-pub(crate) struct Pushed {
+/// The acceleration compared with the change of speed.
+pub(crate) struct AccelFit {
     pub(crate) class: Push,
     pub(crate) forward: Slope,
     pub(crate) sideways: Slope,
@@ -33,7 +33,7 @@ pub(crate) struct Pushed {
 }
 
 /// The axis of the changes of speed, by the first track with enough of them.
-pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Pushed> {
+pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Estimate<AccelFit> {
     needed(tracks)?;
     let force = imu.inertial.force.unwrap_or(0.0);
     // AXES02 judges the unit.
@@ -59,7 +59,7 @@ pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limi
                 (false, true) => Push::Forward,
                 (false, false) => Push::Backward,
             };
-            return Ok(Pushed {
+            return Ok(AccelFit {
                 class,
                 forward,
                 sideways,

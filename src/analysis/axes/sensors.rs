@@ -7,12 +7,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::analysis::axes::bases::{Base, Bases};
-use crate::analysis::axes::causes::{Cause, Seen};
+use crate::analysis::axes::causes::{Cause, Symptoms};
 use crate::analysis::axes::{causes, diagnosis, gyro_vs_track};
 use crate::analysis::motion::{BagMotion, Imu, Motion};
 use crate::analysis::{
-    Estimates, axes::base_up::Up, axes::diagnosis::Diagnosis, axes::push::Pushed, axes::rates::Integrals,
-    axes::world_up::Above, axes::worlds::Worlds, axes::yaw_vs_course::Decided, look::Look,
+    Estimates, axes::base_up::BaseUp, axes::diagnosis::Diagnosis, axes::push::AccelFit, axes::rates::Integrals,
+    axes::world_up::WorldUp, axes::worlds::Worlds, axes::yaw_vs_course::HeadingFit, look::Estimate,
 };
 use crate::tables::{Offset, Simulator};
 use crate::verdict::NotEvaluated;
@@ -20,12 +20,12 @@ use crate::world::FrameId;
 
 /// One inertial sensor.
 pub(crate) struct Sensor {
-    pub(crate) base: Look<Up>,
-    pub(crate) world: Look<Above>,
-    pub(crate) turn: Look<crate::analysis::quat::ways::Turned>,
-    pub(crate) heading: Look<Decided>,
-    pub(crate) sense: Look<gyro_vs_track::Turned>,
-    pub(crate) push: Look<Pushed>,
+    pub(crate) base: Estimate<BaseUp>,
+    pub(crate) world: Estimate<WorldUp>,
+    pub(crate) turn: Estimate<crate::analysis::quat::ways::GyroAgreement>,
+    pub(crate) heading: Estimate<HeadingFit>,
+    pub(crate) sense: Estimate<gyro_vs_track::GyroFit>,
+    pub(crate) push: Estimate<AccelFit>,
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
     /// The entry of the driver's profile for the yaw's offset from the course, if that is large.
@@ -114,7 +114,7 @@ fn sensors(
             unseen: None,
         };
         // A gyro that nothing confirms may be in degrees, and show only its bias.
-        if sensor.turn.is_err() && sensor.sense.as_ref().is_ok_and(gyro_vs_track::Turned::confirms_gyro) {
+        if sensor.turn.is_err() && sensor.sense.as_ref().is_ok_and(gyro_vs_track::GyroFit::confirms_gyro) {
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
@@ -138,7 +138,7 @@ fn sensors(
         let mount = imu.mount.as_ref().map(|mount| &mount.base);
         let on = bases.iter().find(|base| Some(&base.frame) == mount);
         let on = on.and_then(|base| base.seen.as_ref().ok());
-        let seen = sensor.seen();
+        let seen = sensor.symptoms();
         sensor.diagnosis = Diagnosis::of(seen, &imu.stream.expressed_in, imu.driver.clone());
         sensor.unseen = diagnosis::unseen(seen);
         if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
@@ -175,24 +175,24 @@ impl Sensor {
     }
 
     /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
-    pub(crate) fn up_rad(&self) -> Look<f64> {
-        self.world.as_ref().map_err(Clone::clone).and_then(Above::off_up_rad)
+    pub(crate) fn up_rad(&self) -> Estimate<f64> {
+        self.world.as_ref().map_err(Clone::clone).and_then(WorldUp::off_up_rad)
     }
 
     /// Yaw minus course, radians, if the track knows east; or why it was not measured.
-    pub(crate) fn offset_rad(&self) -> Look<f64> {
+    pub(crate) fn offset_rad(&self) -> Estimate<f64> {
         self.heading
             .as_ref()
             .map_err(Clone::clone)
-            .and_then(Decided::offset_rad)
+            .and_then(HeadingFit::offset_rad)
     }
 
-    fn seen(&self) -> Seen {
-        fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
+    fn symptoms(&self) -> Symptoms {
+        fn class<T, C>(look: &Estimate<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
         }
         // A contradiction with the poses of a simulator may be the poses' fault.
-        let mut heading = class(&self.heading, Decided::class).filter(|_| !self.heading_is_against_a_simulator());
+        let mut heading = class(&self.heading, HeadingFit::class).filter(|_| !self.heading_is_against_a_simulator());
         let mut sense = class(&self.sense, |seen| seen.class).filter(|_| !self.sense_is_against_a_simulator());
         // Two tracks that contradict each other: a contradiction with one of them may be the track's fault and is not counted.
         if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
@@ -204,9 +204,9 @@ impl Sensor {
                 _ => {}
             }
         }
-        Seen {
+        Symptoms {
             base: class(&self.base, |seen| seen.class),
-            world: class(&self.world, Above::sign).flatten(),
+            world: class(&self.world, WorldUp::sign).flatten(),
             turn: class(&self.turn, |seen| seen.class),
             heading,
             sense,

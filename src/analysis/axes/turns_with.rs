@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::analysis::motion::{Imu, Turned};
+use crate::analysis::motion::{Imu, Orientations};
 
 /// Sum of squared rotations over half a second that a pose and a gyro must show, rad²: four of 0.25 rad.
 const MIN_TURN_RAD2: f64 = 0.25;
@@ -13,7 +13,7 @@ const AGREES: f64 = 0.5;
 /// Whether a pose rotates with the gyro of a sensor on its body, or opposite to it: then the two use different axes of the body. `None`
 /// if there is too little rotation.
 pub(crate) fn turns_with(
-    turned: &Turned,
+    turned: &Orientations,
     imu: &Imu,
     child_from_imu: &UnitQuaternion<f64>,
     max_step_s: f64,

@@ -5,7 +5,7 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::motion::{Stream, Timed};
+use crate::analysis::motion::{Stream, TimedRow};
 use crate::world::motion::{PoseRow, Twist};
 
 /// A reading of a velocity.
@@ -157,7 +157,9 @@ impl Twists {
         let (mut along, mut predicted) = (0.0, 0.0);
         let (mut turned_rad, mut crossed, mut poses, mut rates) = (0.0, 0.0, 0.0, 0.0);
         for window in stream.windows(limits.window_s, limits.max_step_s) {
-            let Some(moved) = Moved::of(window) else { continue };
+            let Some(moved) = WindowMotion::of(window) else {
+                continue;
+            };
             windows += 1;
             distance_m += moved.shift.norm();
             squares += moved.shift.norm_squared();
@@ -206,7 +208,7 @@ impl Twists {
     }
 
     /// The readings that the velocity can distinguish, the best first: motion along x alone has no sign of y.
-    pub(crate) fn told(&self, least_aside: f64) -> Vec<(Reading, f64)> {
+    pub(crate) fn readings(&self, least_aside: f64) -> Vec<(Reading, f64)> {
         let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
         let of_twist = |(reading, _): &&(Reading, f64)| !reading.is_of_pose();
         self.residuals
@@ -219,7 +221,7 @@ impl Twists {
 
     /// The readings of a wrong pose beside a right velocity, the best first. In a plane the inverse orientation looks like a mirrored
     /// position: the sign of the yaw rate distinguishes them.
-    pub(crate) fn told_of_pose(&self) -> Vec<(Reading, f64)> {
+    pub(crate) fn readings_of_pose(&self) -> Vec<(Reading, f64)> {
         let turns_back = self.turning.slope < 0.0;
         let fits = |(reading, _): &&(Reading, f64)| match reading {
             Reading::Inverse => turns_back || self.turning.slope == 0.0,
@@ -236,7 +238,7 @@ impl Twists {
 }
 
 /// The motion in one window.
-struct Moved {
+struct WindowMotion {
     /// Of the pose in the header's frame, metres.
     shift: Vector3<f64>,
     /// Prediction of each reading of the velocity.
@@ -250,9 +252,9 @@ struct Moved {
     is_zero: bool,
 }
 
-impl Moved {
+impl WindowMotion {
     /// `None` if a number is not finite or an orientation is invalid.
-    fn of(window: &[Timed<PoseRow>]) -> Option<Self> {
+    fn of(window: &[TimedRow<PoseRow>]) -> Option<Self> {
         let (first, last) = (window.first()?, window.last()?);
         let mut moved = Self {
             shift: Vector3::from(last.row.position) - Vector3::from(first.row.position),

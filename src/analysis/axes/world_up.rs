@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::analysis::{axes::causes::World, look::Look, motion::Imu};
+use crate::analysis::{axes::causes::World, look::Estimate, motion::Imu};
 use crate::math::{gravity::WorldForce, readings::Reading};
 use crate::verdict::NotEvaluated;
 
@@ -22,8 +22,8 @@ pub(crate) struct Limits {
     pub(crate) gravity_share: f64,
 }
 
-/// What was seen.
-pub(crate) struct Above {
+/// The direction of gravity in the axes of the world.
+pub(crate) struct WorldUp {
     pub(crate) class: World,
     pub(crate) force: WorldForce,
     /// The same in the other quaternion conventions.
@@ -32,7 +32,7 @@ pub(crate) struct Above {
     pub(crate) rows: usize,
 }
 
-impl Above {
+impl WorldUp {
     /// The one other quaternion convention in which the acceleration points up. For a level body, a rotation and its inverse are
     /// equally good.
     pub(crate) fn read_otherwise(&self, limits: &Limits) -> Option<Reading> {
@@ -47,7 +47,7 @@ impl Above {
     }
 
     /// Angle between the acceleration and the world's up, radians; or why there is none.
-    pub(crate) fn off_up_rad(&self) -> Look<f64> {
+    pub(crate) fn off_up_rad(&self) -> Estimate<f64> {
         match self.class {
             World::Far => {
                 let why = "the acceleration has no steady direction in the world".to_owned();
@@ -68,7 +68,7 @@ impl Above {
 }
 
 /// Direction of the acceleration in the world.
-pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Estimate<WorldUp> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
@@ -119,7 +119,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
             force.concentration
         ));
     };
-    Ok(Above {
+    Ok(WorldUp {
         class,
         force,
         others: gravity

@@ -8,8 +8,10 @@ use std::rc::Rc;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::motion::{BagMotion, ExpressedIn, Imu, Motion, Stream, Turned};
-use crate::analysis::{Estimates, axes::base_up, axes::causes::Base, axes::turns_with::turns_with, look::Look, names};
+use crate::analysis::motion::{BagMotion, Imu, Motion, Orientations, Stream, StreamConvention};
+use crate::analysis::{
+    Estimates, axes::base_up, axes::causes::Base, axes::turns_with::turns_with, look::Estimate, names,
+};
 use crate::math::stats::median;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -58,9 +60,9 @@ pub(crate) struct Frame {
     pub(crate) stream: String,
     pub(crate) place: Place,
     /// The declared convention of its poses; here they are converted to that of ROS.
-    pub(crate) expressed_in: ExpressedIn,
-    pub(crate) gravity: Look<Gravity>,
-    pub(crate) heights: Look<Heights>,
+    pub(crate) expressed_in: StreamConvention,
+    pub(crate) gravity: Estimate<Gravity>,
+    pub(crate) heights: Estimate<Heights>,
 }
 
 impl Frame {
@@ -122,7 +124,7 @@ fn frames(world: &Estimates, bag: &BagMotion) -> Vec<(Frame, bool)> {
             continue;
         }
         let turned = OnceCell::new();
-        let turned = || turned.get_or_init(|| Turned::of(stream));
+        let turned = || turned.get_or_init(|| Orientations::of(stream));
         let gravity = first(
             bag.imus
                 .iter()
@@ -158,7 +160,7 @@ fn is_level(frame: &FrameId) -> bool {
     names::is_world(frame) && !frame.has_token("earth") && !frame.has_token("ecef")
 }
 
-fn first<T>(looks: impl Iterator<Item = Look<T>>, none: impl Fn() -> String) -> Look<T> {
+fn first<T>(looks: impl Iterator<Item = Estimate<T>>, none: impl Fn() -> String) -> Estimate<T> {
     let mut why = None;
     for look in looks {
         match look {
@@ -175,11 +177,11 @@ fn first<T>(looks: impl Iterator<Item = Look<T>>, none: impl Fn() -> String) -> 
 fn gravity<'t>(
     world: &World,
     stream: &Stream<PoseRow>,
-    turned: &impl Fn() -> &'t Turned,
+    turned: &impl Fn() -> &'t Orientations,
     imu: &Imu,
     sign: &crate::analysis::axes::base_up::Limits,
     limits: &Limits,
-) -> Look<Gravity> {
+) -> Estimate<Gravity> {
     let missing = |why: String| Err((NotEvaluated::MissingInput, why));
     let (Some(child), Some(sensor)) = (&stream.child, &imu.stream.frame) else {
         return missing(format!(
@@ -260,7 +262,7 @@ fn gravity<'t>(
 }
 
 /// Heights compared with altitudes at the times of fixes.
-fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) -> Look<Heights> {
+fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) -> Estimate<Heights> {
     let (poses, satellites) = (stream.track(), fixes.track());
     let (points, mut at) = (satellites.stretches.iter().flatten(), poses.follow());
     let both: Vec<(f64, f64)> = points.filter_map(|(t_s, place)| Some((place.z, at(*t_s)?.z))).collect();

@@ -6,15 +6,15 @@ use nalgebra::Vector3;
 
 use crate::analysis::axes::heading::{Heading, Limits, Sense};
 use crate::analysis::axes::{causes, plots};
-use crate::analysis::look::{Look, needed};
+use crate::analysis::look::{Estimate, needed};
 use crate::analysis::motion::{Imu, Track, Yaws};
 use crate::math::readings::Reading;
 use crate::source::Place;
 use crate::tables::Offset;
 use crate::verdict::{Measured, NotEvaluated, Plot};
 
-/// What was seen.
-pub(crate) struct Decided {
+/// The yaw compared with the course of a track.
+pub(crate) struct HeadingFit {
     /// What reports call the track.
     pub(crate) track: String,
     pub(crate) track_at: Place,
@@ -23,7 +23,7 @@ pub(crate) struct Decided {
     pub(crate) heading: Heading,
 }
 
-impl Decided {
+impl HeadingFit {
     pub(crate) fn class(&self) -> causes::Heading {
         match self.heading.winner() {
             Sense::Left => causes::Heading::With,
@@ -59,7 +59,7 @@ impl Decided {
     }
 
     /// Yaw minus course, radians; or why it is unknown.
-    pub(crate) fn offset_rad(&self) -> Look<f64> {
+    pub(crate) fn offset_rad(&self) -> Estimate<f64> {
         if self.is_geodetic {
             Ok(self.heading.offset_rad)
         } else {
@@ -112,7 +112,7 @@ pub(crate) fn apart_deg(a: f64, b: f64) -> f64 {
 }
 
 /// Sense of the yaw, by the first track with enough turns. GNSS comes first: odometry often uses this very yaw.
-pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<Decided> {
+pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Estimate<HeadingFit> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
@@ -125,7 +125,7 @@ pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
         let heading = Heading::of(&yaws, &track.courses(speed_m_s), limits);
         let is_agreed = heading.agreement().is_some_and(|share| share >= limits.min_agreement);
         if is_agreed && heading.span_s() >= limits.min_span_s {
-            return Ok(Decided {
+            return Ok(HeadingFit {
                 track: track.subject.clone(),
                 track_at: track.place.clone(),
                 is_geodetic: track.is_geodetic,

@@ -248,10 +248,10 @@ pub(crate) fn against_messages(
                 .keys()
                 .next()
                 .map(|frame| frame.canonical().as_str().to_owned());
-            let differs = grid.frame.as_ref().filter(|told| {
+            let differs = grid.frame.as_ref().filter(|stated| {
                 frame
                     .as_ref()
-                    .is_some_and(|frame| frame != told.trim_start_matches('/'))
+                    .is_some_and(|frame| frame != stated.trim_start_matches('/'))
             });
             grids.map(move |grid| (Place::message(bag.source, grid.at.clone()), grid, differs))
         })
@@ -309,7 +309,7 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     let off = [sent.position[0] - x, sent.position[1] - y].map(|m| m / resolution_m);
     let [.., z, w] = sent.orientation;
     let yaw = 2.0 * z.atan2(w);
-    let off_yaw = rest.first().map_or(0.0, |told| difference(yaw, *told).abs());
+    let off_yaw = rest.first().map_or(0.0, |stated| difference(yaw, *stated).abs());
     let largest = off[0].abs().max(off[1].abs());
     if largest <= 0.01 && off_yaw <= 1e-3 {
         return None;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use crate::analysis::camera::looks::{Shown, Why, look};
-use crate::analysis::{Estimates, camera::published::Published, ground::Planes};
+use crate::analysis::camera::looks::{Reason, ViewEstimate, look};
+use crate::analysis::{Estimates, camera::published::RecordedCamera, ground::Planes};
 use crate::world::{FrameId, World};
 
 /// What lidars show of every camera of a world: by recording and frame.
-pub(crate) struct Views(pub(crate) BTreeMap<(usize, FrameId), Result<Shown, Why>>);
+pub(crate) struct Views(pub(crate) BTreeMap<(usize, FrameId), Result<ViewEstimate, Reason>>);
 
 impl Views {
     /// Worked out once.
@@ -26,9 +26,9 @@ impl Views {
 }
 
 /// The first calibration of every camera's frame.
-pub(crate) fn cameras(world: &World) -> BTreeMap<(usize, FrameId), Published<'_>> {
+pub(crate) fn cameras(world: &World) -> BTreeMap<(usize, FrameId), RecordedCamera<'_>> {
     let mut cameras = BTreeMap::new();
-    for published in Published::all(world) {
+    for published in RecordedCamera::all(world) {
         let index = world.bags.iter().position(|bag| bag.source == published.bag.source);
         if let (Some(index), Some(frame)) = (index, published.frame()) {
             cameras.entry((index, frame)).or_insert(published);

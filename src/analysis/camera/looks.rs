@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::camera::published::{Published, VERTICAL, Ways, looks_against_its_name};
+use crate::analysis::camera::published::{NameAgreement, RecordedCamera, VERTICAL, looks_against_its_name};
 use crate::analysis::camera::views::{Attitude, Image, Mistake, Scene};
 use crate::analysis::ground::{Ground, Planes};
 use crate::analysis::{Estimates, lidar::Clouds, motion::mount::mount, names};
@@ -11,7 +11,7 @@ use crate::verdict::NotEvaluated;
 use crate::world::FrameId;
 
 /// Why it is not evaluated.
-pub(crate) type Why = (NotEvaluated, String);
+pub(crate) type Reason = (NotEvaluated, String);
 
 /// A fault of a camera's frame, by what the lidar sees.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub(crate) enum Fault {
 
 /// What a lidar shows of a camera.
 #[derive(Clone, Debug)]
-pub(crate) struct Shown {
+pub(crate) struct ViewEstimate {
     pub(crate) attitude: Attitude,
     pub(crate) base: FrameId,
     pub(crate) topic: String,
@@ -33,17 +33,17 @@ pub(crate) struct Shown {
     pub(crate) most: f64,
     pub(crate) points: usize,
     pub(crate) clouds: usize,
-    pub(crate) judged: Result<Option<Fault>, Why>,
+    pub(crate) judged: Result<Option<Fault>, Reason>,
 }
 
 /// What the lidar that could show most of a camera shows of it.
 pub(crate) fn look(
     world: &Estimates,
     planes: &Planes,
-    camera: &Published,
+    camera: &RecordedCamera,
     frame: &FrameId,
     limits: &Limits,
-) -> Result<Shown, Why> {
+) -> Result<ViewEstimate, Reason> {
     let not_applicable = |why: &str| (NotEvaluated::NotApplicable, why.to_owned());
     if camera.is_uncalibrated() {
         return Err(not_applicable("K is all zeros: the camera is not calibrated"));
@@ -65,13 +65,13 @@ pub(crate) fn look(
             "the recording has no clouds of a lidar: record them too".to_owned(),
         ));
     }
-    let mut seen: Vec<Result<Shown, Why>> = lidars
+    let mut seen: Vec<Result<ViewEstimate, Reason>> = lidars
         .iter()
         .map(|clouds| by_lidar(world, planes, clouds, (frame, &image), limits))
         .collect();
     // The lidar that could show most.
     seen.sort_by(|a, b| {
-        let most = |seen: &Result<Shown, Why>| seen.as_ref().map_or(-1.0, |shown| shown.most);
+        let most = |seen: &Result<ViewEstimate, Reason>| seen.as_ref().map_or(-1.0, |shown| shown.most);
         most(b).total_cmp(&most(a))
     });
     seen.into_iter()
@@ -85,7 +85,7 @@ fn by_lidar(
     clouds: &Clouds,
     (frame, image): (&FrameId, &Image),
     limits: &Limits,
-) -> Result<Shown, Why> {
+) -> Result<ViewEstimate, Reason> {
     let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
     let topic = clouds.topic.topic.clone();
     let lidar = clouds.frame().ok_or_else(|| {
@@ -113,7 +113,7 @@ fn by_lidar(
         Some(mount) => (mount.base, mount.base_from_sensor),
         None => (lidar.clone(), Isometry3::identity()),
     };
-    let told = base_from_lidar * lidar_from_camera;
+    let stated = base_from_lidar * lidar_from_camera;
     let scene = Scene::new(world, clouds, &base_from_lidar, &of_side, [limits.near_m, limits.far_m])
         .ok_or_else(|| little("the ground planes of its clouds have no common direction".to_owned()))?;
     let lean_deg = scene.up.angle(&Vector3::z()).to_degrees();
@@ -132,24 +132,24 @@ fn by_lidar(
             limits.min_points
         )));
     }
-    let (share, most) = (scene.share(image, &told), scene.most(image, &told));
+    let (share, most) = (scene.share(image, &stated), scene.most(image, &stated));
     if most < limits.min_most {
         return Err(little(format!(
             "a level camera at this position sees at most {:.1} % of the points of `{topic}`, in any direction",
             100.0 * most
         )));
     }
-    let attitude = scene.attitude(&told);
+    let attitude = scene.attitude(&stated);
     let camera = Camera {
         world,
         frame,
         image,
-        told,
+        stated,
         scene: &scene,
         most,
         limits,
     };
-    Ok(Shown {
+    Ok(ViewEstimate {
         attitude,
         judged: camera.judged(attitude, share, &topic),
         base,
@@ -167,14 +167,14 @@ struct Camera<'a> {
     frame: &'a FrameId,
     image: &'a Image,
     /// `base_from_camera`.
-    told: Isometry3<f64>,
+    stated: Isometry3<f64>,
     scene: &'a Scene,
     most: f64,
     limits: &'a Limits,
 }
 
 impl Camera<'_> {
-    fn judged(&self, attitude: Attitude, share: f64, topic: &str) -> Result<Option<Fault>, Why> {
+    fn judged(&self, attitude: Attitude, share: f64, topic: &str) -> Result<Option<Fault>, Reason> {
         let limits = self.limits;
         let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
         let is_blind = share < limits.blind * self.most;
@@ -214,7 +214,8 @@ impl Camera<'_> {
             return Ok(Some(Fault::Under));
         }
         if is_blind {
-            let is_against = looks_against_its_name(self.frame, &(self.told.rotation * Vector3::z())) == Ways::Against;
+            let is_against =
+                looks_against_its_name(self.frame, &(self.stated.rotation * Vector3::z())) == NameAgreement::Against;
             if is_against && self.fits(Mistake::Reversed) {
                 return Ok(Some(self.mistaken(vec![Mistake::Reversed])));
             }
@@ -227,7 +228,7 @@ impl Camera<'_> {
     }
 
     fn mistaken(&self, found: Vec<Mistake>) -> Fault {
-        let corrected = found.first().map(|mistake| mistake.corrected(&self.told));
+        let corrected = found.first().map(|mistake| mistake.corrected(&self.stated));
         let share = corrected.map_or(0.0, |corrected| self.scene.share(self.image, &corrected));
         Fault::Mistaken(found, share)
     }
@@ -241,17 +242,18 @@ impl Camera<'_> {
     /// Whether the corrected mounting is plausible: upright, above the ground, on the vehicle, with points in view.
     fn fits(&self, mistake: Mistake) -> bool {
         let limits = self.limits;
-        let corrected = mistake.corrected(&self.told);
+        let corrected = mistake.corrected(&self.stated);
         let attitude = self.scene.attitude(&corrected);
         let looks = corrected.rotation * Vector3::z();
         // Rotated by 90 deg about its view or about the vertical any camera becomes another upright one: the stated mounting must be
         // impossible, or the corrected one must look where cameras look.
         let is_expected = match looks_against_its_name(self.frame, &looks) {
-            Ways::Fit => true,
-            Ways::Against => false,
-            Ways::Unnamed => looks.angle(&Vector3::x()).to_degrees() <= limits.ahead_deg,
+            NameAgreement::Fit => true,
+            NameAgreement::Against => false,
+            NameAgreement::Unnamed => looks.angle(&Vector3::x()).to_degrees() <= limits.ahead_deg,
         };
-        let is_impossible = mistake != Mistake::NotTurned && self.scene.attitude(&self.told).height_m < -limits.under_m;
+        let is_impossible =
+            mistake != Mistake::NotTurned && self.scene.attitude(&self.stated).height_m < -limits.under_m;
         attitude.roll_deg.abs() <= limits.corrected_roll_deg
             && attitude.pitch_deg.abs() <= limits.corrected_pitch_deg
             && attitude.height_m > 0.0

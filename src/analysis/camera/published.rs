@@ -37,7 +37,7 @@ pub(crate) const BACK: &[&str] = &["rear", "back", "backward", "backwards"];
 
 /// What a camera's name says about its direction of view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ways {
+pub(crate) enum NameAgreement {
     /// It agrees.
     Fit,
     /// It contradicts.
@@ -48,21 +48,21 @@ pub(crate) enum Ways {
 
 /// Compares a camera's name with its direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it
 /// contradicts, within 60 degrees of its name it agrees. `left` and `right` may mean the position in a pair, and never contradict.
-pub(crate) fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> Ways {
+pub(crate) fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> NameAgreement {
     let named = match (names::has_word(frame, AHEAD), names::has_word(frame, BACK)) {
         (true, false) => looks.x,
         (false, true) => -looks.x,
         _ => match (names::has_word(frame, &["left"]), names::has_word(frame, &["right"])) {
             (true, false) => looks.y.max(0.0),
             (false, true) => (-looks.y).max(0.0),
-            _ => return Ways::Unnamed,
+            _ => return NameAgreement::Unnamed,
         },
     };
     let half_right = std::f64::consts::FRAC_1_SQRT_2;
     match named {
-        cosine if cosine < -half_right => Ways::Against,
-        cosine if cosine > 0.5 => Ways::Fit,
-        _ => Ways::Unnamed,
+        cosine if cosine < -half_right => NameAgreement::Against,
+        cosine if cosine > 0.5 => NameAgreement::Fit,
+        _ => NameAgreement::Unnamed,
     }
 }
 
@@ -79,7 +79,7 @@ pub(crate) struct Intrinsics<'w> {
 impl<'w> Intrinsics<'w> {
     /// Those of recordings by topic, then those of files.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
-        let published = Published::all(world).map(|published| published.intrinsics());
+        let published = RecordedCamera::all(world).map(|published| published.intrinsics());
         published.chain(Self::of_files(world))
     }
 
@@ -117,7 +117,7 @@ fn is_uncalibrated(camera: &CameraModel) -> bool {
 
 /// A calibration of a recording's camera.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Published<'w> {
+pub(crate) struct RecordedCamera<'w> {
     pub(crate) bag: &'w BagEvidence,
     /// The number of the recording in the world.
     pub(crate) index: usize,
@@ -129,7 +129,7 @@ pub(crate) struct Published<'w> {
     number: Option<usize>,
 }
 
-impl<'w> Published<'w> {
+impl<'w> RecordedCamera<'w> {
     /// All of them, by topic.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {

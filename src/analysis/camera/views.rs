@@ -170,12 +170,12 @@ impl Mistake {
     ];
 
     /// The right mounting, if this error was made.
-    pub(crate) fn corrected(self, told: &Isometry3<f64>) -> Isometry3<f64> {
-        let turned = |by: UnitQuaternion<f64>| Isometry3::from_parts(told.translation, told.rotation * by);
+    pub(crate) fn corrected(self, stated: &Isometry3<f64>) -> Isometry3<f64> {
+        let turned = |by: UnitQuaternion<f64>| Isometry3::from_parts(stated.translation, stated.rotation * by);
         match self {
             Self::NotTurned => turned(AxisTurn::Optical.quaternion()),
-            Self::Inverse => told.inverse(),
-            Self::Transposed => Isometry3::from_parts(told.translation, told.rotation.inverse()),
+            Self::Inverse => stated.inverse(),
+            Self::Transposed => Isometry3::from_parts(stated.translation, stated.rotation.inverse()),
             Self::TurnedTwice => turned(AxisTurn::OpticalInverse.quaternion()),
             Self::Reversed => turned(AxisTurn::Y180.quaternion()),
         }

@@ -21,7 +21,7 @@ const SAME: f64 = 1e-9;
 pub(crate) fn each(
     world: &Estimates,
     field: &str,
-    mut with: impl FnMut(&BagEvidence, &Stream<PoseRow>, &Declared<'_>),
+    mut with: impl FnMut(&BagEvidence, &Stream<PoseRow>, &StreamCovariance<'_>),
 ) {
     let motion = Motion::of(world);
     for (bag, moved) in world.bags.iter().zip(&motion.bags) {
@@ -32,7 +32,7 @@ pub(crate) fn each(
                     with(
                         bag,
                         stream,
-                        &Declared::of(stream, topic, evidence, field.starts_with("twist")),
+                        &StreamCovariance::of(stream, topic, evidence, field.starts_with("twist")),
                     );
                 }
             }
@@ -41,7 +41,7 @@ pub(crate) fn each(
 }
 
 /// The covariances of a stream.
-pub(crate) struct Declared<'w> {
+pub(crate) struct StreamCovariance<'w> {
     pub(crate) topic: &'w TopicEvidence,
     /// The different ones that state something, in the axes of ROS, with the yaw at their time.
     pub(crate) samples: Vec<(Cow<'w, CovarianceAt>, Option<f64>)>,
@@ -66,7 +66,7 @@ pub(crate) struct Axes {
     pub(crate) count: usize,
 }
 
-impl<'w> Declared<'w> {
+impl<'w> StreamCovariance<'w> {
     fn of(
         stream: &Stream<PoseRow>,
         topic: &'w TopicEvidence,

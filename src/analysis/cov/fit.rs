@@ -3,7 +3,7 @@
 //! Must not judge. Shared by COV02 (the order of the blocks) and COV05 (units): each reports its own readings.
 
 use crate::analysis::cov::noise::{Noise, Variances};
-use crate::analysis::{cov::declared::Declared, motion::Stream};
+use crate::analysis::{cov::declared::StreamCovariance, motion::Stream};
 use crate::math::noise::DEG2_PER_RAD2;
 use crate::world::motion::PoseRow;
 
@@ -35,41 +35,41 @@ const READINGS: [Reading; 6] = [
 
 impl Reading {
     /// The stated variances in m² and rad².
-    fn variances(self, told: Variances) -> Variances {
+    fn variances(self, stated: Variances) -> Variances {
         let scaled = |linear: f64, angular: f64| Variances {
-            horizontal: told.horizontal / linear,
-            vertical: told.vertical / linear,
-            tilt: told.tilt / angular,
-            yaw: told.yaw / angular,
+            horizontal: stated.horizontal / linear,
+            vertical: stated.vertical / linear,
+            tilt: stated.tilt / angular,
+            yaw: stated.yaw / angular,
         };
         match self {
-            Self::AsPublished => told,
+            Self::AsPublished => stated,
             Self::RotationFirst => Variances {
-                horizontal: told.tilt,
-                vertical: told.yaw,
-                tilt: told.horizontal,
-                yaw: told.vertical,
+                horizontal: stated.tilt,
+                vertical: stated.yaw,
+                tilt: stated.horizontal,
+                yaw: stated.vertical,
             },
             Self::Degrees => scaled(1.0, DEG2_PER_RAD2),
             Self::Centimetres => scaled(1e4, 1.0),
             Self::Millimetres => scaled(1e6, 1.0),
             Self::Deviations => Variances {
-                horizontal: told.horizontal * told.horizontal,
-                vertical: told.vertical * told.vertical,
-                tilt: told.tilt * told.tilt,
-                yaw: told.yaw * told.yaw,
+                horizontal: stated.horizontal * stated.horizontal,
+                vertical: stated.vertical * stated.vertical,
+                tilt: stated.tilt * stated.tilt,
+                yaw: stated.yaw * stated.yaw,
             },
         }
     }
 }
 
 /// Each variance stated with the one shown, where there is any: heights on flat ground have none.
-fn pairs(told: Variances, shown: Variances) -> impl Iterator<Item = (f64, f64)> {
+fn pairs(stated: Variances, shown: Variances) -> impl Iterator<Item = (f64, f64)> {
     [
-        (told.horizontal, shown.horizontal),
-        (told.vertical, shown.vertical),
-        (told.tilt, shown.tilt),
-        (told.yaw, shown.yaw),
+        (stated.horizontal, shown.horizontal),
+        (stated.vertical, shown.vertical),
+        (stated.tilt, shown.tilt),
+        (stated.yaw, shown.yaw),
     ]
     .into_iter()
     .filter(|(_, shown)| *shown > NOTHING)
@@ -87,7 +87,11 @@ pub(crate) struct Fit {
 
 impl Fit {
     /// Of a stream, or why there is none.
-    pub(crate) fn of(stream: &Stream<PoseRow>, declared: &Declared<'_>, min_poses: f64) -> Result<Self, String> {
+    pub(crate) fn of(
+        stream: &Stream<PoseRow>,
+        declared: &StreamCovariance<'_>,
+        min_poses: f64,
+    ) -> Result<Self, String> {
         if declared.samples.is_empty() {
             return Err("every covariance is all zeros, or not finite".to_owned());
         }
@@ -98,18 +102,18 @@ impl Fit {
         if (noise.count() as f64) < min_poses {
             return Err(format!("{} evenly spaced poses, {min_poses} are needed", noise.count()));
         }
-        let (Some(shown), Some(told)) = (noise.variances(), declared.variances()) else {
+        let (Some(shown), Some(stated)) = (noise.variances(), declared.variances()) else {
             return Err("the poses show no noise".to_owned());
         };
         if shown.horizontal <= NOTHING || shown.tilt.max(shown.yaw) <= NOTHING {
             return Err("the poses show no noise in x, y and an angle: a filtered estimate".to_owned());
         }
-        let readings = READINGS.map(|reading| (reading, miss(reading.variances(told), shown)));
+        let readings = READINGS.map(|reading| (reading, miss(reading.variances(stated), shown)));
         let mut readings = readings.to_vec();
         readings.sort_by(|a, b| a.1.total_cmp(&b.1));
         let likelihood = |reading: Reading| -> f64 {
-            pairs(reading.variances(told), shown)
-                .map(|(told, shown)| -0.5 * (told.ln() + shown / told))
+            pairs(reading.variances(stated), shown)
+                .map(|(stated, shown)| -0.5 * (stated.ln() + shown / stated))
                 .sum()
         };
         Ok(Self {
@@ -136,9 +140,9 @@ impl Fit {
 const NOTHING: f64 = 1e-14;
 
 /// The largest factor between what is stated and what is shown; infinite where a noisy axis is stated as exact.
-fn miss(told: Variances, shown: Variances) -> f64 {
-    let factors = pairs(told, shown).map(|(told, shown)| {
-        let ratio = told / shown;
+fn miss(stated: Variances, shown: Variances) -> f64 {
+    let factors = pairs(stated, shown).map(|(stated, shown)| {
+        let ratio = stated / shown;
         if ratio > 0.0 {
             ratio.ln().abs().exp()
         } else {

@@ -4,7 +4,7 @@
 
 use nalgebra::{Rotation2, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::motion::{Stream, Timed};
+use crate::analysis::motion::{Stream, TimedRow};
 use crate::math::noise::{Ellipse, fourth_difference};
 use crate::math::readings::Reading;
 use crate::math::stats::{mad, median};
@@ -47,7 +47,7 @@ pub(crate) struct Noise {
 impl Noise {
     /// The noise of a stream; empty where its steps are too uneven or too long.
     pub(crate) fn of(stream: &Stream<PoseRow>, topic: &TopicEvidence) -> Self {
-        let steps = |rows: &Vec<Timed<PoseRow>>| -> Vec<f64> {
+        let steps = |rows: &Vec<TimedRow<PoseRow>>| -> Vec<f64> {
             let pairs = rows.windows(2);
             pairs
                 .filter_map(|pair| Some(pair.get(1)?.t_s - pair.first()?.t_s))
@@ -118,16 +118,16 @@ pub(crate) fn yaw(orientation: [f64; 4]) -> Option<f64> {
     Some(rotation.euler_angles().2)
 }
 
-fn residual(five: &[Timed<PoseRow>], step_s: f64) -> Option<Residual> {
+fn residual(five: &[TimedRow<PoseRow>], step_s: f64) -> Option<Residual> {
     let [a, b, c, d, e] = five else { return None };
     let rows = [a, b, c, d, e];
     let even =
-        |(one, next): (&&Timed<PoseRow>, &&Timed<PoseRow>)| ((next.t_s - one.t_s) / step_s - 1.0).abs() <= UNEVEN;
+        |(one, next): (&&TimedRow<PoseRow>, &&TimedRow<PoseRow>)| ((next.t_s - one.t_s) / step_s - 1.0).abs() <= UNEVEN;
     if !rows.iter().zip(rows.iter().skip(1)).all(even) {
         return None;
     }
     let middle = Reading::Xyzw.world_from_body(c.row.orientation)?;
-    let turn = |row: &Timed<PoseRow>| -> Option<Vector3<f64>> {
+    let turn = |row: &TimedRow<PoseRow>| -> Option<Vector3<f64>> {
         let rotation: UnitQuaternion<f64> = Reading::Xyzw.world_from_body(row.row.orientation)?;
         Some((rotation * middle.inverse()).scaled_axis())
     };

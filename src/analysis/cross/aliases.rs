@@ -25,7 +25,7 @@ pub(crate) struct Candidate<'g> {
 
 /// A transform that a calibration states between frames with names of its own: `target_from_source`.
 #[derive(Clone, Copy)]
-pub(crate) struct Stated<'c> {
+pub(crate) struct StatedTransform<'c> {
     pub(crate) target: &'c FrameId,
     pub(crate) source: &'c FrameId,
     pub(crate) pose: Isometry3<f64>,
@@ -58,19 +58,19 @@ impl<'g> Candidate<'g> {
 
 /// All transforms that a file states, by their frames.
 #[derive(Default)]
-pub(crate) struct OfFile<'s> {
-    by_target: BTreeMap<&'s FrameId, Vec<Stated<'s>>>,
-    by_source: BTreeMap<&'s FrameId, Vec<Stated<'s>>>,
+pub(crate) struct FileTransforms<'s> {
+    by_target: BTreeMap<&'s FrameId, Vec<StatedTransform<'s>>>,
+    by_source: BTreeMap<&'s FrameId, Vec<StatedTransform<'s>>>,
 }
 
-impl<'s> OfFile<'s> {
-    pub(crate) fn add(&mut self, stated: Stated<'s>) {
+impl<'s> FileTransforms<'s> {
+    pub(crate) fn add(&mut self, stated: StatedTransform<'s>) {
         self.by_target.entry(stated.target).or_default().push(stated);
         self.by_source.entry(stated.source).or_default().push(stated);
     }
 
     /// Those that have one of the two frames of `stated` in the same place.
-    fn sharing<'a>(&'a self, stated: &'a Stated) -> impl Iterator<Item = &'a Stated<'s>> {
+    fn sharing<'a>(&'a self, stated: &'a StatedTransform) -> impl Iterator<Item = &'a StatedTransform<'s>> {
         let targets = self.by_target.get(stated.target).into_iter().flatten();
         let sources = self.by_source.get(stated.source).into_iter().flatten();
         let targets = targets.filter(|other| other.source != stated.source);
@@ -124,7 +124,7 @@ impl<'g> Search<'g> {
 
     /// The pairs whose names are of the right kinds. If none of them has the transform to the last digits (as stated or with a
     /// convention error), but other pairs have, those. `of_file` is all that the file states.
-    pub(crate) fn candidates(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
+    pub(crate) fn candidates(&self, stated: &StatedTransform, of_file: &FileTransforms) -> Vec<Candidate<'g>> {
         if self.is_spent() {
             return Vec::new();
         }
@@ -140,7 +140,7 @@ impl<'g> Search<'g> {
     }
 
     /// Every pair of the platform's frames of these kinds with a rigid transform between them.
-    fn by_names(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+    fn by_names(&self, stated: &StatedTransform) -> Vec<Candidate<'g>> {
         let (targets, sources) = (self.meant(stated.target), self.meant(stated.source));
         let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
         let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
@@ -152,7 +152,7 @@ impl<'g> Search<'g> {
 
     /// Pairs with one frame of the right kind and the other of any name, whose transform is equal to the last digits and hardly by
     /// chance.
-    fn by_numbers(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+    fn by_numbers(&self, stated: &StatedTransform) -> Vec<Candidate<'g>> {
         let rigid = self.world.graph().rigid();
         let mut found: Vec<Candidate<'g>> = Vec::new();
         let sides = [(stated.target, true), (stated.source, false)];
@@ -161,7 +161,7 @@ impl<'g> Search<'g> {
                 for (other, _) in rigid.cluster(frame).iter().take_while(|_| self.look()) {
                     let (target, source) = if is_target { (frame, other) } else { (other, frame) };
                     if let Some(pose) = rigid.between(target, source) {
-                        self.add(&mut found, (target, source, pose), stated, exact::Limits::tells_alone);
+                        self.add(&mut found, (target, source, pose), stated, exact::Limits::is_unique);
                     }
                 }
             }
@@ -171,17 +171,17 @@ impl<'g> Search<'g> {
 
     /// Pairs of frames of any name. One pair alone does not determine the direction; where a file states several transforms of one
     /// frame (`body` of each camera), the robot's frame that all of them share does.
-    fn by_shared_frame(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
+    fn by_shared_frame(&self, stated: &StatedTransform, of_file: &FileTransforms) -> Vec<Candidate<'g>> {
         let mut others = of_file.sharing(stated).peekable();
         let mut own = if others.peek().is_none() {
             Vec::new()
         } else {
-            self.telling(stated)
+            self.specific_pairs(stated)
         };
         if own.is_empty() {
             return own;
         }
-        let others = others.map(|other| (other.target == stated.target, self.telling(other)));
+        let others = others.map(|other| (other.target == stated.target, self.specific_pairs(other)));
         let others: Vec<(bool, Vec<Candidate>)> = others.collect();
         own.retain(|candidate| {
             others.iter().any(|(is_target, others)| {
@@ -201,13 +201,13 @@ impl<'g> Search<'g> {
     }
 
     /// The pairs of all frames whose transform is equal to the last digits, and specific.
-    fn telling(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+    fn specific_pairs(&self, stated: &StatedTransform) -> Vec<Candidate<'g>> {
         let mut found = Vec::new();
         for cluster in &self.world.graph().rigid().clusters {
             for (target, at_target) in cluster {
                 for (source, at_source) in cluster.iter().take_while(|_| self.look()) {
                     let pair = (target, source, at_target.inv_mul(at_source));
-                    self.add(&mut found, pair, stated, exact::Limits::is_telling);
+                    self.add(&mut found, pair, stated, exact::Limits::is_distinctive);
                 }
             }
         }
@@ -219,13 +219,13 @@ impl<'g> Search<'g> {
         &self,
         found: &mut Vec<Candidate<'g>>,
         (target, source, pose): (&'g FrameId, &'g FrameId, Isometry3<f64>),
-        stated: &Stated,
-        tells: fn(&exact::Limits, &Isometry3<f64>) -> bool,
+        stated: &StatedTransform,
+        is_specific: fn(&exact::Limits, &Isometry3<f64>) -> bool,
     ) {
         let (exact, length) = (self.exact, |pose: &Isometry3<f64>| pose.translation.vector.norm());
         // The length first: it is cheap, and every convention error keeps it.
         let is_near = (length(&pose) - length(&stated.pose)).abs() <= exact.exact_m;
-        if target == source || !is_near || !tells(exact, &pose) {
+        if target == source || !is_near || !is_specific(exact, &pose) {
             return;
         }
         let is_known = found.iter().any(|one| {

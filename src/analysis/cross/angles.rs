@@ -48,7 +48,7 @@ impl Unit {
 
 /// An order that explains a difference.
 #[derive(Clone, Debug)]
-pub(crate) struct Explained {
+pub(crate) struct OrderMatch {
     /// The simplest that fits.
     pub(crate) order: Order,
     pub(crate) unit: Unit,
@@ -67,7 +67,7 @@ pub(crate) struct Explained {
 }
 
 /// The order of the angles that explains the difference of a pair, where one does and nothing simpler does.
-pub(crate) fn explained(pair: &Pair, limits: &Limits) -> Option<Explained> {
+pub(crate) fn explained(pair: &Pair, limits: &Limits) -> Option<OrderMatch> {
     let found = [true, false].into_iter().find_map(|of_other| {
         let (angles, against) = if of_other {
             (&pair.other, &pair.reference)
@@ -75,7 +75,7 @@ pub(crate) fn explained(pair: &Pair, limits: &Limits) -> Option<Explained> {
             (&pair.reference, &pair.other)
         };
         let (own, meant) = both(pair, angles, against)?;
-        search(angles.rpy?, &own, &meant, limits).map(|found| Explained { of_other, ..found })
+        search(angles.rpy?, &own, &meant, limits).map(|found| OrderMatch { of_other, ..found })
     })?;
     // Where a simpler relation fits as well, the pair stays with CROSS02.
     let word = either_way(pair).map_or_else(|| pair.classify(), |either| either.classification);
@@ -111,11 +111,11 @@ fn is_off_axis(angle: f64, limits: &Limits) -> bool {
 }
 
 /// Whether another order of these angles would show: two of them are off the axes.
-pub(crate) fn can_tell(rpy: [f64; 3], limits: &Limits) -> bool {
+pub(crate) fn is_distinctive(rpy: [f64; 3], limits: &Limits) -> bool {
     rpy.iter().filter(|angle| is_off_axis(**angle, limits)).count() >= 2
 }
 
-fn search(rpy: [f64; 3], own: &Isometry3<f64>, meant: &Isometry3<f64>, limits: &Limits) -> Option<Explained> {
+fn search(rpy: [f64; 3], own: &Isometry3<f64>, meant: &Isometry3<f64>, limits: &Limits) -> Option<OrderMatch> {
     let apart_deg = rotation_angle_between(&own.rotation, &meant.rotation).to_degrees();
     if apart_deg.is_nan() || apart_deg <= limits.equal_deg {
         return None;
@@ -124,7 +124,7 @@ fn search(rpy: [f64; 3], own: &Isometry3<f64>, meant: &Isometry3<f64>, limits: &
         .into_iter()
         .find_map(|unit| {
             let numbers = rpy.map(|angle| unit.radians(angle));
-            if !can_tell(numbers, limits) {
+            if !is_distinctive(numbers, limits) {
                 return None;
             }
             let left = |order: &Order| rotation_angle_between(&order.compose(numbers), &meant.rotation).to_degrees();
@@ -136,7 +136,7 @@ fn search(rpy: [f64; 3], own: &Isometry3<f64>, meant: &Isometry3<f64>, limits: &
                 .collect();
             let (first, others) = fits.split_first()?;
             // The order of ROS in another unit is CROSS02's.
-            (first.0 != Order::ROS).then(|| Explained {
+            (first.0 != Order::ROS).then(|| OrderMatch {
                 order: first.0,
                 unit,
                 alike: others.iter().map(|(order, _)| *order).collect(),

@@ -3,7 +3,7 @@
 //! Must not word a finding.
 
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
-use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, classify, classify_either_way};
+use crate::math::relation::{Classification, Relation, Tolerance, TwoWayMatch, classify, classify_either_way};
 
 /// Puts the statement with the error second, and names the relation from the first to it. The reference is taken as right
 /// unless the numbers, or most of the other sources, contradict it.
@@ -59,7 +59,7 @@ pub(crate) fn named(pair: &Pair) -> Option<Relation> {
 }
 
 /// `None` for a pair of which one states only a rotation or a translation.
-pub(crate) fn either_way(pair: &Pair) -> Option<EitherWay> {
+pub(crate) fn either_way(pair: &Pair) -> Option<TwoWayMatch> {
     let complete = |s: &Statement| s.has_rotation && s.has_translation;
     (complete(&pair.reference) && complete(&pair.other))
         .then(|| classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default()))

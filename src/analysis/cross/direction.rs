@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, Pair, half_turn, in_plane};
-use crate::analysis::{Estimates, lidar::Clouds, scan_motion::moved::Moved};
+use crate::analysis::{Estimates, lidar::Clouds, scan_motion::moved::ScanStep};
 use crate::math::{circular::difference, stats::median};
 use crate::verdict::NotEvaluated;
 
@@ -82,8 +82,8 @@ pub(crate) fn of(residuals: &[Residuals], reading: Reading) -> Option<&Residuals
     residuals.iter().find(|known| known.reading == reading)
 }
 
-/// What was seen.
-pub(crate) struct Seen {
+/// The readings of a mounting compared with the motion.
+pub(crate) struct DirectionFit {
     pub(crate) known: HandEye,
     pub(crate) pairs: usize,
     /// The residuals of each reading, the best first.
@@ -93,14 +93,14 @@ pub(crate) struct Seen {
     pub(crate) inverse_serves: bool,
 }
 
-impl Seen {
+impl DirectionFit {
     pub(crate) fn of(&self, reading: Reading) -> f64 {
         of(&self.residuals, reading).map_or(f64::NAN, |known| known.median_m)
     }
 }
 
 /// The same for another rule, by the limits of this one.
-pub(crate) fn seen(world: &Estimates, clouds: &Clouds) -> Option<Seen> {
+pub(crate) fn direction_fit(world: &Estimates, clouds: &Clouds) -> Option<DirectionFit> {
     look(
         world,
         clouds,
@@ -111,8 +111,13 @@ pub(crate) fn seen(world: &Estimates, clouds: &Clouds) -> Option<Seen> {
 
 /// What a finding about a missing yaw of a mounting adds where the inverse explains that yaw as well: by the motions, or where they do not
 /// decide, by the yaw of the inverse within an error.
-pub(crate) fn doubt(seen: Option<&Seen>, told: &Isometry3<f64>, lacks_rad: f64, error_rad: f64) -> &'static str {
-    let inverse = told.inverse();
+pub(crate) fn doubt(
+    seen: Option<&DirectionFit>,
+    stated: &Isometry3<f64>,
+    lacks_rad: f64,
+    error_rad: f64,
+) -> &'static str {
+    let inverse = stated.inverse();
     let has_that_yaw = || difference(lacks_rad, in_plane(&(inverse * inverse)).rotation.angle()).abs() <= error_rad;
     match seen {
         Some(seen) if seen.decided.is_none() && seen.inverse_serves => {
@@ -124,13 +129,17 @@ pub(crate) fn doubt(seen: Option<&Seen>, told: &Isometry3<f64>, lacks_rad: f64, 
 }
 
 /// Which reading of a mounting matches the two motions.
-pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
-    let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
+pub(crate) fn look(
+    world: &Estimates,
+    clouds: &Clouds,
+    limits: &Limits,
+) -> Result<DirectionFit, (NotEvaluated, String)> {
+    let turned_deg = |moved: &ScanStep| moved.turned_rad().abs().to_degrees();
     let known = HandEye::of(world, clouds, |steps| {
         steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg || moved.lasted_s() >= limits.long_s)
     })?;
-    let inverse = known.told.inverse();
-    let apart = known.told.inv_mul(&inverse);
+    let inverse = known.stated.inverse();
+    let apart = known.stated.inv_mul(&inverse);
     if apart.translation.vector.norm() < limits.min_apart_m
         && apart.rotation.angle().to_degrees() < limits.min_apart_deg
     {
@@ -158,9 +167,9 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
     sure.truncate(turned.max(limits.min_pairs));
     let all = |mounting: &Isometry3<f64>| -> Vec<f64> { sure.iter().map(|pair| pair.residual_m(mounting)).collect() };
     let readings = [
-        (Reading::AsPublished, known.told),
+        (Reading::AsPublished, known.stated),
         (Reading::Inverse, inverse),
-        (Reading::Turned, known.told * half_turn()),
+        (Reading::Turned, known.stated * half_turn()),
         (Reading::InverseTurned, inverse * half_turn()),
     ];
     let by_place = placed(world, &known, &readings, limits);
@@ -169,9 +178,13 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
         .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
         .collect();
     residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
-    let told = of(&residuals, Reading::AsPublished);
-    let by_pairs = residuals.first().zip(told).and_then(|(best, told)| {
-        let best = if told.is_beaten_by(best, limits) { best } else { told };
+    let published = of(&residuals, Reading::AsPublished);
+    let by_pairs = residuals.first().zip(published).and_then(|(best, published)| {
+        let best = if published.is_beaten_by(best, limits) {
+            best
+        } else {
+            published
+        };
         let mut rivals = residuals
             .iter()
             .filter(|rival| best.reading.is_held_against(rival.reading));
@@ -179,9 +192,11 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
         (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
     });
     let inverse_serves = of(&residuals, Reading::Inverse)
-        .zip(told)
-        .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
-    Ok(Seen {
+        .zip(published)
+        .is_some_and(|(inverse, published)| {
+            inverse.median_m <= limits.max_residual_m && published.is_beaten_by(inverse, limits)
+        });
+    Ok(DirectionFit {
         inverse_serves,
         pairs: sure.len(),
         residuals,
@@ -194,14 +209,14 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
 }
 
 /// What all pairs together determine of the mounting.
-pub(crate) struct Placed {
+pub(crate) struct MountFit {
     /// The readings that are there, within its errors.
     pub(crate) near: Vec<Reading>,
     /// The one of them that all others are far from.
     pub(crate) alone: Option<Reading>,
 }
 
-impl Placed {
+impl MountFit {
     /// The reading that both methods allow. A mounting with another error may still have the right direction.
     pub(crate) fn agreed(&self, by_pairs: Option<Reading>) -> Option<Reading> {
         match (by_pairs, self.alone) {
@@ -220,7 +235,7 @@ pub(crate) fn placed(
     known: &HandEye,
     readings: &[(Reading, Isometry3<f64>)],
     limits: &Limits,
-) -> Option<Placed> {
+) -> Option<MountFit> {
     let found =
         crate::analysis::cross::hand_eye::estimated(known, &world.limits::<crate::analysis::cross::hand_eye::Limits>())
             .ok()?;
@@ -232,7 +247,7 @@ pub(crate) fn placed(
         y.hypot(limits.least_place_m),
     ];
     let sigmas = |mounting: &Isometry3<f64>| -> f64 {
-        let turned = in_plane(&(mounting * known.told.inverse())).rotation.angle();
+        let turned = in_plane(&(mounting * known.stated.inverse())).rotation.angle();
         let off = found.place - mounting.translation.vector.xy();
         let off = [difference(found.yaw_rad, turned), off.x, off.y];
         off.iter()
@@ -250,7 +265,7 @@ pub(crate) fn placed(
         rivals.all(|(_, sigmas)| sigmas.powi(2) - best.powi(2) >= limits.apart_sigmas.powi(2))
     };
     let near = || off.iter().filter(|(_, sigmas)| *sigmas <= limits.within_sigmas);
-    Some(Placed {
+    Some(MountFit {
         alone: near().find(is_alone).map(|(reading, _)| *reading),
         near: near().map(|(reading, _)| *reading).collect(),
     })

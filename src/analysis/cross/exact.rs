@@ -26,16 +26,16 @@ impl Limits {
     pub(crate) fn fits(&self, pose: &Isometry3<f64>, found: &Classification) -> bool {
         found.residual_angle_rad.to_degrees() <= self.exact_deg
             && found.residual_m <= self.exact_m
-            && self.is_telling(pose)
+            && self.is_distinctive(pose)
     }
 
     /// Whether it is more specific than a mount along the axes with a length along one of them, which unrelated devices share.
-    pub(crate) fn is_telling(&self, pose: &Isometry3<f64>) -> bool {
+    pub(crate) fn is_distinctive(&self, pose: &Isometry3<f64>) -> bool {
         self.is_distinct(pose, 2)
     }
 
     /// Whether a transform is hardly equal by chance among all frames of a robot: it is rotated off the axes, or has three lengths.
-    pub(crate) fn tells_alone(&self, pose: &Isometry3<f64>) -> bool {
+    pub(crate) fn is_unique(&self, pose: &Isometry3<f64>) -> bool {
         self.is_distinct(pose, 3)
     }
 
@@ -61,13 +61,13 @@ impl Limits {
 
 /// Sensors that two sources state differently by one relation.
 #[derive(Default)]
-pub(crate) struct Alike(BTreeMap<(Relation, [SourceId; 2]), BTreeSet<[FrameId; 2]>>);
+pub(crate) struct SharedRelations(BTreeMap<(Relation, [SourceId; 2]), BTreeSet<[FrameId; 2]>>);
 
-impl Alike {
+impl SharedRelations {
     /// Counts a pair whose difference is this relation.
     pub(crate) fn add(&mut self, limits: &Limits, pair: &Pair, relation: Relation) {
         let reference = &pair.reference;
-        if limits.is_telling(&reference.pose) {
+        if limits.is_distinctive(&reference.pose) {
             let sensors = self.0.entry((relation, Self::sources(pair))).or_default();
             sensors.insert([reference.target.clone(), reference.source_frame.clone()]);
         }

@@ -6,7 +6,7 @@ use crate::analysis::cross::pair::{Pair, Statement};
 use crate::world::World;
 
 /// How many differences about two frames later ones are compared with.
-const MOST_TOLD: usize = 256;
+const MAX_KNOWN: usize = 256;
 
 /// A wrong source differs from each of those that agree: only the first of such pairs is reported, and names the others.
 /// `earlier` are the pairs before this one about the same two frames.
@@ -14,25 +14,25 @@ pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
     if is_same(&pair.reference, &pair.other, false) {
         return;
     }
-    let told = earlier.iter_mut().filter(|told| told.repeats.is_none());
-    let told = told.take(MOST_TOLD).find(|told| {
-        let turned = told.reference.target != pair.reference.target;
+    let known = earlier.iter_mut().filter(|known| known.repeats.is_none());
+    let known = known.take(MAX_KNOWN).find(|known| {
+        let turned = known.reference.target != pair.reference.target;
         let same = |a: &Statement, b: &Statement| is_same(a, b, turned);
-        told.alternatives == pair.alternatives
-            && (same(&told.reference, &pair.reference) && same(&told.other, &pair.other)
-                || same(&told.reference, &pair.other) && same(&told.other, &pair.reference))
+        known.alternatives == pair.alternatives
+            && (same(&known.reference, &pair.reference) && same(&known.other, &pair.other)
+                || same(&known.reference, &pair.other) && same(&known.other, &pair.reference))
     });
-    let Some(told) = told else { return };
-    pair.repeats = Some(format!("the same difference as in {}", told.subject(world)));
-    let turned = told.reference.target != pair.reference.target;
+    let Some(known) = known else { return };
+    pair.repeats = Some(format!("the same difference as in {}", known.subject(world)));
+    let turned = known.reference.target != pair.reference.target;
     for statement in [&pair.reference, &pair.other] {
-        let with_other = is_same(&told.other, statement, turned);
+        let with_other = is_same(&known.other, statement, turned);
         let second = (with_other, statement.place.clone(), statement.who.clone());
-        let is_known = [&told.reference, &told.other]
+        let is_known = [&known.reference, &known.other]
             .iter()
             .any(|known| known.place == statement.place);
-        if !is_known && !told.seconded_by.contains(&second) {
-            told.seconded_by.push(second);
+        if !is_known && !known.seconded_by.contains(&second) {
+            known.seconded_by.push(second);
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, Pair, in_plane};
-use crate::math::planar_hand_eye::{Mounted, mounted};
+use crate::math::planar_hand_eye::{PlanarMount, mounted};
 use crate::math::stats::median;
 use crate::verdict::NotEvaluated;
 
@@ -32,7 +32,7 @@ pub(crate) fn sure<'k>(known: &'k HandEye, limits: &Limits) -> impl Iterator<Ite
 }
 
 /// The same as [`estimated`], where it is sure.
-pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
+pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
     let turned_deg: f64 = sure(known, limits)
         .map(|pair| pair.lidar.rotation.angle().to_degrees())
         .sum();
@@ -60,9 +60,9 @@ pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEv
 }
 
 /// The correction of a stated mounting, in the plane of the body: its yaw and its place.
-pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
+pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
     let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
-    let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.told.rotation);
+    let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.stated.rotation);
     let flat: Vec<_> = sure(known, limits)
         .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
         .collect();
@@ -87,8 +87,8 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
 }
 
 /// The mounting with the yaw and the position that the scans show, and the rest as stated.
-pub(crate) fn at_place(known: &HandEye, found: &Mounted) -> Isometry3<f64> {
-    let place = Translation3::new(found.place.x, found.place.y, known.told.translation.z);
+pub(crate) fn at_place(known: &HandEye, found: &PlanarMount) -> Isometry3<f64> {
+    let place = Translation3::new(found.place.x, found.place.y, known.stated.translation.z);
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), found.yaw_rad);
-    Isometry3::from_parts(place, yaw * known.told.rotation)
+    Isometry3::from_parts(place, yaw * known.stated.rotation)
 }

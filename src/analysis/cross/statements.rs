@@ -152,25 +152,25 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
     Some(Pair {
         reference: reference.clone(),
         other,
-        alternatives: comparable == Comparable::Alternatives,
+        alternatives: comparable == Comparison::Alternatives,
         repeats: None,
         seconded_by: Vec::new(),
     })
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Comparable {
+enum Comparison {
     Same,
     Alternatives,
 }
 
-fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable> {
+fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparison> {
     let last = |statement: &Statement| statement.label.rsplit('/').next().map(str::to_owned);
     match (a.rank, b.rank) {
         // Descriptions of several robots; TF of one recording is TREE05's, of several they are several drives.
         (Rank::Urdf, Rank::Urdf) | (Rank::Description, Rank::Description) | (Rank::Tf, Rank::Tf) => None,
         (Rank::File, Rank::File) if a.place.source == b.place.source => {
-            (last(a) != last(b) && a.label != b.label).then_some(Comparable::Same)
+            (last(a) != last(b) && a.label != b.label).then_some(Comparison::Same)
         }
         // One program's files in a folder are of several robots.
         (Rank::File, Rank::File) if a.roles.is_some() && a.roles == b.roles => None,
@@ -178,19 +178,19 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         (Rank::File, Rank::File) if is_letter(&a.target) || is_letter(&a.source_frame) => None,
         // Two launch files are two ways to start.
         (Rank::File, Rank::File) if is_launched(world, a) && is_launched(world, b) => None,
-        (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparable::Same),
+        (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparison::Same),
         (Rank::File, Rank::File) => {
             let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
             if folder(a.place.source) != folder(b.place.source) {
                 return None;
             }
             Some(if last(a) == last(b) {
-                Comparable::Alternatives
+                Comparison::Alternatives
             } else {
-                Comparable::Same
+                Comparison::Same
             })
         }
-        _ => Some(Comparable::Same),
+        _ => Some(Comparison::Same),
     }
 }
 
@@ -357,6 +357,6 @@ pub(crate) fn are_of_one_platform(world: &World, a: &Statement, b: &Statement) -
     let is_file = |one: &Statement| one.rank == Rank::File;
     match (is_file(a), is_file(b)) {
         (false, false) => a.rank == b.rank,
-        _ => comparable(world, a, b) == Some(Comparable::Same),
+        _ => comparable(world, a, b) == Some(Comparison::Same),
     }
 }

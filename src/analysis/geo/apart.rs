@@ -26,7 +26,7 @@ pub(crate) fn between(from: &LocalOrigin, to: &LocalOrigin) -> Vector3<f64> {
 }
 
 /// A place, in degrees and metres.
-pub(crate) fn told(origin: &LocalOrigin) -> String {
+pub(crate) fn position_text(origin: &LocalOrigin) -> String {
     let (latitude, longitude) = (
         origin.at.latitude_rad.to_degrees(),
         origin.at.longitude_rad.to_degrees(),

@@ -106,8 +106,9 @@ fn column(
     fixes: &[Geodetic],
     limits: &Limits,
 ) -> Option<Column> {
-    let told: Vec<&Vector3<f64>> = positions.iter().filter(|p| p.norm() > 0.0).collect();
-    let of = |coordinate: fn(&Vector3<f64>) -> f64| median(&told.iter().map(|p| coordinate(p)).collect::<Vec<f64>>());
+    let nonzero: Vec<&Vector3<f64>> = positions.iter().filter(|p| p.norm() > 0.0).collect();
+    let of =
+        |coordinate: fn(&Vector3<f64>) -> f64| median(&nonzero.iter().map(|p| coordinate(p)).collect::<Vec<f64>>());
     let middle = Vector3::new(of(|p| p.x)?, of(|p| p.y)?, of(|p| p.z)?);
     let mut kinds = fixes.iter().map(|fix| kind(&middle, Some(fix), limits));
     let (kind, is_confirmed) = kinds
@@ -117,7 +118,7 @@ fn column(
         subject,
         place,
         middle,
-        count: told.len(),
+        count: nonzero.len(),
         kind,
         is_confirmed,
         reading: Confidence::Certain,

@@ -17,7 +17,7 @@ const LOCALS: &[&str] = &["enu", "ned", "local", "site", "datum", "origin", "ltp
 
 /// One statement of `earth_from_local`.
 #[derive(Clone, Debug)]
-pub(crate) struct OnEarth {
+pub(crate) struct EarthPose {
     /// The Earth, canonical.
     pub(crate) earth: FrameId,
     /// The local frame, canonical.
@@ -39,7 +39,7 @@ pub(crate) fn is_earth(frame: &FrameId) -> bool {
     names::has_word(frame, EARTHS)
 }
 
-impl OnEarth {
+impl EarthPose {
     /// Every statement of a world between the Earth and another frame: claims, then TF.
     pub(crate) fn all(world: &World) -> Vec<Self> {
         let claims = world.claims.iter().filter(|claim| claim.is_rigid());

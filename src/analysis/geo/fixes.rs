@@ -23,7 +23,7 @@ pub(crate) fn middle(fixes: &FixEvidence) -> Option<Position> {
 /// A median position, degrees, of some stream of fixes.
 pub(crate) fn some_position(world: &World) -> Option<Position> {
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
-    let mut said = topics.flat_map(TopicEvidence::said).filter(|said| !said.guessed);
+    let mut said = topics.flat_map(TopicEvidence::contents).filter(|said| !said.guessed);
     said.find_map(|said| middle(said.content.fixes.as_ref()?))
 }
 
@@ -36,7 +36,7 @@ fn near(a: Position, b: Position, degrees: f64) -> bool {
 pub(crate) fn others<'w>(world: &'w World, fixes: &FixEvidence) -> Vec<(&'w str, Position)> {
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
     topics
-        .flat_map(TopicEvidence::said)
+        .flat_map(TopicEvidence::contents)
         .filter(|said| !said.guessed)
         .filter_map(|said| {
             let other = said.content.fixes.as_ref();

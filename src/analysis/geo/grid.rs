@@ -15,7 +15,7 @@ const SQUARE_M: f64 = 100_000.0;
 
 /// A track compared with east and north.
 #[derive(Clone, Debug)]
-pub(crate) struct Laid {
+pub(crate) struct GridFit {
     /// What takes east and north to x and y.
     pub(crate) fit: Similarity2,
     /// Standard deviations of its angle, radians, and of its scale.
@@ -37,7 +37,7 @@ pub(crate) struct Grid {
     pub(crate) off_in_square_m: f64,
 }
 
-impl Laid {
+impl GridFit {
     /// Fits poses to fixes; `None` where the fixes are in no zone or do not spread.
     pub(crate) fn of(overlay: &Overlay, blocks: usize) -> Option<Self> {
         let (enu, xy) = overlay.planes();

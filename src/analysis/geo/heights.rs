@@ -5,7 +5,7 @@
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::motion::{BagMotion, Stream, Timed, around};
+use crate::analysis::motion::{BagMotion, Stream, TimedRow, around};
 use crate::analysis::{names, names::Standard};
 use crate::math::stats::{mad, median};
 use crate::math::{geodesy::Geodetic, geoid::undulation_m};
@@ -43,7 +43,7 @@ pub(crate) struct Heights {
 
 /// One height minus another at the same times.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Apart {
+pub(crate) struct HeightGap {
     /// The median, metres.
     pub(crate) median_m: f64,
     /// Median absolute deviation from that, metres.
@@ -74,14 +74,14 @@ impl Heights {
     }
 
     /// How far these heights are above others.
-    pub(crate) fn above(&self, other: &Self) -> Option<Apart> {
+    pub(crate) fn above(&self, other: &Self) -> Option<HeightGap> {
         let apart = |(t_s, here): &(f64, Vector3<f64>)| {
             let there = other.at(*t_s)?;
             Some((here.z - there.z, self.aside_m(here, &there)))
         };
         let all = self.runs.iter().flatten().filter_map(apart);
         let (heights, aside): (Vec<f64>, Vec<f64>) = all.unzip();
-        Some(Apart {
+        Some(HeightGap {
             median_m: median(&heights)?,
             spread_m: mad(&heights)?,
             aside_m: median(&aside)?,
@@ -107,7 +107,7 @@ impl Heights {
 
     fn of<R: Row>(stream: &Stream<R>, datum: Datum, place: impl Fn(&R) -> Option<(f64, f64, f64)>) -> Option<Self> {
         let mut first = None;
-        let mut told = |timed: &Timed<R>| {
+        let mut height = |timed: &TimedRow<R>| {
             let (latitude, longitude, height) = place(&timed.row)?;
             let is_place = latitude.is_finite() && longitude.is_finite() && height.is_finite();
             is_place.then(|| {
@@ -117,7 +117,7 @@ impl Heights {
         };
         let stretches = stream.stretches.iter();
         let mut runs: Vec<Vec<_>> = stretches
-            .map(|rows| rows.iter().filter_map(&mut told).collect())
+            .map(|rows| rows.iter().filter_map(&mut height).collect())
             .collect();
         runs.retain(|run| !run.is_empty());
         let (latitude, longitude) = first?;
@@ -205,7 +205,7 @@ pub(crate) struct Limits {
 impl Limits {
     /// The least undulation at which the difference of two heights distinguishes mean sea level from the ellipsoid, metres. Two
     /// heights of one receiver have one error.
-    pub(crate) fn needed_m(&self, heights: &Heights, other: &Heights, apart: Apart) -> f64 {
+    pub(crate) fn needed_m(&self, heights: &Heights, other: &Heights, apart: HeightGap) -> f64 {
         if apart.aside_m <= self.same_m {
             return self.min_undulation_m;
         }

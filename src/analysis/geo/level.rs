@@ -5,12 +5,12 @@
 use nalgebra::{Isometry3, Rotation3};
 use serde::Deserialize;
 
-use crate::analysis::geo::earth::OnEarth;
+use crate::analysis::geo::earth::EarthPose;
 use crate::math::{constants::ned_enu, earth_turns::beside, geodesy::Geodetic};
 use crate::source::Place;
 
 /// A pose that can be judged.
-pub(crate) struct Seen<'s> {
+pub(crate) struct EarthAttitude<'s> {
     /// Where it is stated.
     pub(crate) place: &'s Place,
     /// Its origin.
@@ -26,7 +26,12 @@ pub(crate) struct Seen<'s> {
 }
 
 /// The pose of a local frame, where its origin is on the Earth.
-pub(crate) fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>, limits: &Limits) -> Option<Seen<'s>> {
+pub(crate) fn see<'s>(
+    stated: &EarthPose,
+    place: &'s Place,
+    pose: &Isometry3<f64>,
+    limits: &Limits,
+) -> Option<EarthAttitude<'s>> {
     let of = |pose: &Isometry3<f64>, is_inverse| {
         let origin = Geodetic::from_ecef(&pose.translation.vector)?;
         let mut rotation = pose.rotation.to_rotation_matrix();
@@ -34,7 +39,7 @@ pub(crate) fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>,
             rotation *= ned_enu();
         }
         let seen = beside(&origin, &rotation);
-        (origin.height_m.abs() <= limits.max_height_m).then(|| Seen {
+        (origin.height_m.abs() <= limits.max_height_m).then(|| EarthAttitude {
             place,
             origin,
             rotation,

@@ -8,8 +8,8 @@ use nalgebra::Vector2;
 use serde::Deserialize;
 
 use crate::analysis::geo::overlay::{Overlay, is_way};
-use crate::analysis::motion::{BagMotion, Motion, Stream, Timed};
-use crate::analysis::{Estimates, geo::earth::OnEarth, names, names::Standard};
+use crate::analysis::motion::{BagMotion, Motion, Stream, TimedRow};
+use crate::analysis::{Estimates, geo::earth::EarthPose, names, names::Standard};
 use crate::math::{geodesy::Geodetic, similarity2::deviations};
 use crate::source::{Confidence, Place, SourceId};
 use crate::world::{
@@ -51,7 +51,7 @@ pub(crate) fn of_bags(world: &Estimates, limits: &Limits) -> Vec<LocalOrigin> {
 /// The transforms of `map`, or of the only local frame there is.
 fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> Vec<LocalOrigin> {
     let is_map = |frame: &FrameId| matches!(names::standard(frame), Some((_, Standard::Map)));
-    let mut stated = OnEarth::all(world);
+    let mut stated = EarthPose::all(world);
     stated.retain(|stated| stated.is_local() && stated.has.1 && !names::has_word(&stated.local, &["odom"]));
     if stated.iter().any(|stated| is_map(&stated.local)) {
         stated.retain(|stated| is_map(&stated.local));
@@ -65,7 +65,7 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
         ));
         return Vec::new();
     }
-    let made = |stated: &OnEarth| {
+    let made = |stated: &EarthPose| {
         let (place, pose) = stated.poses.first()?;
         let at = Geodetic::from_ecef(&pose.translation.vector)?;
         let later = stated.poses.iter().skip(1);
@@ -116,14 +116,14 @@ fn farthest(from: &Geodetic, places: impl Iterator<Item = Geodetic>) -> Option<G
 }
 
 /// Whether a topic states an origin, by the last part of its name.
-pub(crate) fn tells_origin(topic: &str) -> bool {
+pub(crate) fn states_origin(topic: &str) -> bool {
     let last = FrameId::new(topic.rsplit('/').next().unwrap_or(topic));
     last.has_token("origin") || last.has_token("datum")
 }
 
 /// A point or a fix on a topic of an origin.
 fn of_topic(bag: &BagEvidence, topic: &TopicEvidence) -> Option<LocalOrigin> {
-    let fixes = topic.content.fixes.as_ref().filter(|_| tells_origin(&topic.topic))?;
+    let fixes = topic.content.fixes.as_ref().filter(|_| states_origin(&topic.topic))?;
     let mut valid = fixes.samples.iter().filter(|fix| fix.status >= 0);
     let first = valid.next()?;
     let has_height = first.altitude_m.is_finite() && first.altitude_m != 0.0;
@@ -147,7 +147,7 @@ fn of_topic(bag: &BagEvidence, topic: &TopicEvidence) -> Option<LocalOrigin> {
 /// A pose on `local_xy_origin`: x is the longitude, y the latitude (swri_transform_util).
 fn of_local_xy(bag: SourceId, poses: &Stream<PoseRow>) -> Option<LocalOrigin> {
     let is_one = poses.topic.rsplit('/').next() == Some("local_xy_origin");
-    let of = |timed: &Timed<PoseRow>| {
+    let of = |timed: &TimedRow<PoseRow>| {
         let [longitude, latitude, altitude] = timed.row.position;
         Geodetic::from_degrees(latitude, longitude, altitude)
     };
@@ -178,7 +178,7 @@ fn of_tracks<'m>(
         matches!(kind, Some((_, Standard::Map)))
     };
     let tracks = streams.poses.iter().filter(in_map).filter(|poses| is_way(poses));
-    let receivers = || streams.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
+    let receivers = || streams.fixes.iter().filter(|fixes| !states_origin(&fixes.topic));
     tracks
         .flat_map(move |poses| receivers().map(move |fixes| (poses, fixes)))
         .filter_map(move |(poses, fixes)| {

@@ -18,7 +18,7 @@ const MAX_LATENCY_S: f64 = 1.0;
 
 /// A pose and a fix at one time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Both {
+pub(crate) struct PoseFix {
     /// Seconds after the recording's start.
     pub(crate) t_s: f64,
     /// The antenna in the frame of the poses, metres.
@@ -39,7 +39,7 @@ pub(crate) struct Overlay {
     /// The first fix: where the tangent plane of `enu_m` touches.
     pub(crate) first: Geodetic,
     /// The pairs, in the order of the fixes.
-    pub(crate) both: Vec<Both>,
+    pub(crate) both: Vec<PoseFix>,
 }
 
 impl Overlay {
@@ -66,7 +66,7 @@ impl Overlay {
         let every = fixes.rows().count().div_ceil(MAX_MOMENTS).max(1);
         let mut beside = |t_s: f64, row: &FixRow| {
             let fix = geodetic(row)?;
-            Some(Both {
+            Some(PoseFix {
                 t_s,
                 place_m: at(t_s + after_s)?,
                 fix,
@@ -75,7 +75,7 @@ impl Overlay {
                 deviation_m: row.horizontal_sd_m(),
             })
         };
-        let both: Vec<Both> = fixes
+        let both: Vec<PoseFix> = fixes
             .rows()
             .step_by(every)
             .filter_map(|timed| beside(timed.t_s, &timed.row))
@@ -93,8 +93,8 @@ impl Overlay {
     /// and one that drifts along looks like a rotation: no scatter within a drive shows it. Errors that are `errors_last_s` apart
     /// are independent; `untold_m` is the deviation of a receiver that states none.
     pub(crate) fn receiver_deviation(&self, errors_last_s: f64, untold_m: f64) -> f64 {
-        let told: Vec<f64> = self.both.iter().filter_map(|both| both.deviation_m).collect();
-        let error_m = median(&told).unwrap_or(untold_m);
+        let stated: Vec<f64> = self.both.iter().filter_map(|both| both.deviation_m).collect();
+        let error_m = median(&stated).unwrap_or(untold_m);
         let (enu, _) = self.planes();
         let spread_m = spread(&enu).map_or(0.0, |spread| spread.major_sd_m.hypot(spread.minor_sd_m));
         let (from_s, to_s) = self.span_s();

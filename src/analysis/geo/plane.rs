@@ -3,7 +3,7 @@
 //! Must not judge.
 
 use crate::analysis::geo::overlay::{Overlay, geodetic};
-use crate::analysis::{geo::curvature::Curvature, geo::earth::OnEarth, motion::BagMotion};
+use crate::analysis::{geo::curvature::Curvature, geo::earth::EarthPose, motion::BagMotion};
 use crate::math::geodesy::Geodetic;
 use crate::source::Place;
 use crate::world::{FrameId, World};
@@ -28,7 +28,7 @@ pub(crate) struct Plane<'s> {
 
 impl<'s> Plane<'s> {
     /// The plane of a statement; `None` where it has no origin near the ellipsoid.
-    pub(crate) fn stated(stated: &'s OnEarth, max_height_m: f64) -> Option<Self> {
+    pub(crate) fn stated(stated: &'s EarthPose, max_height_m: f64) -> Option<Self> {
         let (place, pose) = stated.poses.first().filter(|_| stated.has.1 && stated.is_local())?;
         let origin = Geodetic::from_ecef(&pose.translation.vector)?;
         (origin.height_m.abs() <= max_height_m).then_some(Self {
@@ -65,8 +65,8 @@ impl<'s> Plane<'s> {
         let most = |a: &(f64, String), b: &(f64, String)| a.0.total_cmp(&b.0);
         self.reach = by_poses.max_by(most).or_else(|| by_fixes.max_by(most));
         self.has_poses = in_frame().next().is_some();
-        let told = in_frame().flat_map(|poses| bag.fixes.iter().map(move |fixes| (poses, fixes)));
-        let mut curvatures = told.filter_map(|(poses, fixes)| {
+        let pairs = in_frame().flat_map(|poses| bag.fixes.iter().map(move |fixes| (poses, fixes)));
+        let mut curvatures = pairs.filter_map(|(poses, fixes)| {
             let overlay = Overlay::of(world, poses, fixes)?;
             Some((Curvature::of(&overlay, &self.origin)?, poses.subject.clone()))
         });

@@ -2,7 +2,7 @@
 //!
 //! Owns which they are. Must not judge.
 
-use crate::analysis::motion::stream::{Stream, Timed};
+use crate::analysis::motion::stream::{Stream, TimedRow};
 use crate::source::Place;
 use crate::world::motion::NmeaRow;
 
@@ -61,7 +61,7 @@ impl Compass {
             Kind::Magnetic => "magnetic heading",
             Kind::Course => "course over ground",
         };
-        let angle = |timed: &Timed<NmeaRow>| (timed.t_s, degrees(&timed.row).to_radians());
+        let angle = |timed: &TimedRow<NmeaRow>| (timed.t_s, degrees(&timed.row).to_radians());
         Self {
             subject: format!("{word} on {}", stream.subject),
             place: stream.place(),

@@ -10,7 +10,9 @@ use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
 use crate::analysis::names;
 use crate::math::constants::AxisTurn;
 use crate::source::{Place, SourceId};
-use crate::world::conventions::{BodyAxes, Convention, Declared, QuaternionAlgebra, QuaternionOrder, WorldAxes};
+use crate::world::conventions::{
+    AppliedConvention, BodyAxes, Convention, QuaternionAlgebra, QuaternionOrder, WorldAxes,
+};
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow, Twist, TwistRow};
 use crate::world::{FrameId, World};
 
@@ -18,7 +20,7 @@ use super::mount::Mount;
 
 /// What moves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Moving<'a> {
+pub(crate) enum MovingFrame<'a> {
     /// The frame in the header: a sensor's.
     Frame,
     /// The child, if one is named; the header's frame is a world.
@@ -27,7 +29,7 @@ pub(crate) enum Moving<'a> {
 
 /// The convention of a stream, and its source.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ExpressedIn {
+pub(crate) struct StreamConvention {
     /// The declared convention; empty for a stream in that of ROS.
     pub(crate) convention: Convention,
     /// Its source: `` `frames-lint.yaml:4` declares `` or `` the name of `odom_ned` says ``.
@@ -38,22 +40,22 @@ pub(crate) struct ExpressedIn {
     pub(crate) place: Option<Place>,
 }
 
-impl ExpressedIn {
+impl StreamConvention {
     /// The convention of the stream of a topic, or of TF. The configuration has precedence over names.
     pub(crate) fn of(
         world: &World,
         source: SourceId,
         topic: &str,
         frame: Option<&FrameId>,
-        moving: Moving<'_>,
+        moving: MovingFrame<'_>,
     ) -> Self {
         let child = match moving {
-            Moving::Frame => None,
-            Moving::Child(child) => child,
+            MovingFrame::Frame => None,
+            MovingFrame::Child(child) => child,
         };
         let frames: Vec<&FrameId> = frame.into_iter().chain(child).collect();
         match world.declared(source, topic, &frames) {
-            Some(Declared {
+            Some(AppliedConvention {
                 convention,
                 origin,
                 place,
@@ -68,13 +70,13 @@ impl ExpressedIn {
     }
 
     /// The convention by frame names.
-    fn by_names(frame: Option<&FrameId>, moving: Moving<'_>) -> Self {
+    fn by_names(frame: Option<&FrameId>, moving: MovingFrame<'_>) -> Self {
         let has = |frame: Option<&FrameId>, word: &str| frame.is_some_and(|frame| frame.has_token(word));
         let is_frd = |frame: Option<&FrameId>| has(frame, "frd") || has(frame, "ned");
         let world = (has(frame, "ned").then_some(WorldAxes::Ned)).or(has(frame, "nwu").then_some(WorldAxes::Nwu));
         let moving = match moving {
-            Moving::Frame => frame,
-            Moving::Child(child) => child,
+            MovingFrame::Frame => frame,
+            MovingFrame::Child(child) => child,
         };
         let body = is_frd(moving).then_some(BodyAxes::Frd);
         let named = if world.is_some() { frame } else { moving };
@@ -204,13 +206,13 @@ pub(crate) trait Convert {
     const IS_SENSOR: bool;
 
     /// Converts the row to the convention of ROS. `frame` is the one in its header.
-    fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>);
+    fn convert(&mut self, expressed_in: &StreamConvention, frame: Option<&FrameId>);
 }
 
 impl Convert for InertialRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+    fn convert(&mut self, expressed_in: &StreamConvention, _: Option<&FrameId>) {
         self.orientation = expressed_in.orientation(self.orientation);
         self.angular_velocity = expressed_in.in_body(self.angular_velocity);
         self.linear_acceleration = expressed_in.in_body(self.linear_acceleration);
@@ -220,7 +222,7 @@ impl Convert for InertialRow {
 impl Convert for OrientationRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+    fn convert(&mut self, expressed_in: &StreamConvention, _: Option<&FrameId>) {
         self.orientation = expressed_in.orientation(self.orientation);
     }
 }
@@ -228,7 +230,7 @@ impl Convert for OrientationRow {
 impl Convert for PoseRow {
     const IS_SENSOR: bool = false;
 
-    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+    fn convert(&mut self, expressed_in: &StreamConvention, _: Option<&FrameId>) {
         self.position = expressed_in.in_world(self.position);
         self.orientation = expressed_in.orientation(self.orientation);
         self.twist = self.twist.map(|twist| Twist {
@@ -241,7 +243,7 @@ impl Convert for PoseRow {
 impl Convert for TwistRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>) {
+    fn convert(&mut self, expressed_in: &StreamConvention, frame: Option<&FrameId>) {
         // A velocity is expressed in the header's frame.
         let is_of_world = frame.is_some_and(names::is_world) || expressed_in.turn_of_body().is_none();
         let turn = if is_of_world {
@@ -262,14 +264,14 @@ mod tests {
     use super::*;
     use crate::math::rotation::from_rpy;
 
-    fn expressed_in(world: Option<WorldAxes>, body: Option<BodyAxes>) -> ExpressedIn {
-        ExpressedIn {
+    fn expressed_in(world: Option<WorldAxes>, body: Option<BodyAxes>) -> StreamConvention {
+        StreamConvention {
             convention: Convention {
                 world,
                 body,
                 ..Convention::default()
             },
-            ..ExpressedIn::default()
+            ..StreamConvention::default()
         }
     }
 
@@ -339,8 +341,10 @@ mod tests {
     fn names_declare_the_world_and_the_body() {
         let of = |frame: &str, child: Option<&str>| {
             let child = child.map(FrameId::new);
-            let moving = child.as_ref().map_or(Moving::Frame, |child| Moving::Child(Some(child)));
-            ExpressedIn::by_names(Some(&FrameId::new(frame)), moving)
+            let moving = child
+                .as_ref()
+                .map_or(MovingFrame::Frame, |child| MovingFrame::Child(Some(child)));
+            StreamConvention::by_names(Some(&FrameId::new(frame)), moving)
                 .convention
                 .words()
         };

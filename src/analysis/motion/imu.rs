@@ -8,7 +8,7 @@ use crate::analysis::motion::mount::{Mount, mount};
 use crate::analysis::{motion::inertial::Inertial, motion::stream::Stream};
 use crate::math::readings::Reading;
 use crate::tables::InsDriver;
-use crate::world::{BagEvidence, World, bag::Said, content::ContentEvidence, motion::InertialRow};
+use crate::world::{BagEvidence, World, bag::TopicContent, content::ContentEvidence, motion::InertialRow};
 
 /// An inertial sensor.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct Imu {
 
 impl Imu {
     /// The sensor of a topic, or of a member of its messages; `None` if it has no inertial data.
-    pub(crate) fn of(world: &World, bag: &BagEvidence, said: &Said<'_>) -> Option<Self> {
+    pub(crate) fn of(world: &World, bag: &BagEvidence, said: &TopicContent<'_>) -> Option<Self> {
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
         let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
@@ -64,7 +64,7 @@ impl Imu {
 
 /// The stream in the convention of ROS.
 fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
-    let said = stream.said(world);
+    let said = stream.convention(world);
     let is_of_body_alone = said.is_of_body_alone();
     let expressed_in = said.without_turn_of(mount);
     if !is_of_body_alone {

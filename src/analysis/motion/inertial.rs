@@ -2,9 +2,9 @@
 //!
 //! Made once for all rules that judge the sensor. Must not judge.
 
-use crate::analysis::motion::stream::{Stream, Timed};
+use crate::analysis::motion::stream::{Stream, TimedRow};
 use crate::math::gravity::{Gravity, gravity};
-use crate::math::rest::{Rest, rest};
+use crate::math::rest::{RestEstimate, rest};
 use crate::math::turns::{Turns, turns};
 use crate::math::{gravity, rest, stats::median, turns};
 use crate::world::motion::InertialRow;
@@ -26,7 +26,7 @@ pub(crate) struct Inertial {
     /// Median magnitude of the acceleration as published, m/s² by definition; `None` without a finite one.
     pub(crate) force: Option<f64>,
     /// Windows at rest.
-    pub(crate) rest: Rest,
+    pub(crate) rest: RestEstimate,
     /// Gravity in the world by the orientation; `None` without one.
     pub(crate) gravity: Option<Gravity>,
     /// Rotations by orientation and gyro; `None` without an orientation, or if no stretch is long enough.
@@ -38,19 +38,19 @@ pub(crate) struct Inertial {
 impl Inertial {
     /// Measures the rows of a sensor.
     pub(crate) fn of(stream: &Stream<InertialRow>, has_orientation: bool) -> Self {
-        let length = |timed: &Timed<InertialRow>| norm(timed.row.linear_acceleration);
+        let length = |timed: &TimedRow<InertialRow>| norm(timed.row.linear_acceleration);
         let forces: Vec<f64> = stream.rows().map(length).collect();
-        let still = |timed: &Timed<InertialRow>| rest::Row {
+        let still = |timed: &TimedRow<InertialRow>| rest::Row {
             t_s: timed.t_s,
             rate_rad_s: timed.row.angular_velocity,
             force_m_s2: timed.row.linear_acceleration,
         };
-        let level = |timed: &Timed<InertialRow>| gravity::Row {
+        let level = |timed: &TimedRow<InertialRow>| gravity::Row {
             t_s: timed.t_s,
             slots: timed.row.orientation,
             force_m_s2: timed.row.linear_acceleration,
         };
-        let turning = |timed: &Timed<InertialRow>| turns::Row {
+        let turning = |timed: &TimedRow<InertialRow>| turns::Row {
             t_s: timed.t_s,
             slots: timed.row.orientation,
             rate_rad_s: timed.row.angular_velocity,
@@ -76,7 +76,7 @@ impl Inertial {
     }
 }
 
-fn made<R>(stream: &Stream<InertialRow>, row: impl Fn(&Timed<InertialRow>) -> R) -> Vec<Vec<R>> {
+fn made<R>(stream: &Stream<InertialRow>, row: impl Fn(&TimedRow<InertialRow>) -> R) -> Vec<Vec<R>> {
     let stretches = stream.stretches.iter();
     stretches.map(|stretch| stretch.iter().map(&row).collect()).collect()
 }

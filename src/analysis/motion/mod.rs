@@ -27,13 +27,13 @@ use crate::world::{BagEvidence, FrameId, bag::TopicEvidence};
 
 pub(crate) use along::{Follower, around};
 pub(crate) use compass::Compass;
-pub(crate) use convention::ExpressedIn;
+pub(crate) use convention::StreamConvention;
 pub(crate) use imu::Imu;
 
-pub(crate) use stream::{Stream, Timed};
+pub(crate) use stream::{Stream, TimedRow};
 pub(crate) use track::{Course, Track};
 pub(crate) use tracks::Tracks;
-pub(crate) use turned::Turned;
+pub(crate) use turned::Orientations;
 pub(crate) use yaw::Yaws;
 
 /// The streams of motion of each recording of a world, in its order.
@@ -120,7 +120,7 @@ impl BagMotion {
             orientations: Vec::new(),
             nmea: Vec::new(),
         };
-        for said in bag.topics.values().flat_map(TopicEvidence::said) {
+        for said in bag.topics.values().flat_map(TopicEvidence::contents) {
             let of = &said.content.motion;
             motion.imus.extend(Imu::of(world, bag, &said));
             motion.fixes.extend(Stream::of(bag, &said, of.fixes.as_ref()));

@@ -6,17 +6,17 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use crate::analysis::geo::kinds::{Limits, is_earth_centred};
-use crate::analysis::motion::convention::{Convert, ExpressedIn, Moving};
+use crate::analysis::motion::convention::{Convert, MovingFrame, StreamConvention};
 use crate::analysis::{motion::clock::Clock, motion::mount::mount, motion::track::Track, names};
 use crate::math::{circular::wrapped, geodesy::Geodetic};
 use crate::source::{MessageRef, Place, SourceId};
-use crate::world::bag::{HeaderFrame, Said, TfEdge};
+use crate::world::bag::{HeaderFrame, TfEdge, TopicContent};
 use crate::world::motion::{FixRow, PoseRow, Row, Series};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// A row with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Timed<R> {
+pub(crate) struct TimedRow<R> {
     /// Seconds after the recording's start.
     pub(crate) t_s: f64,
     /// The row.
@@ -46,20 +46,20 @@ pub(crate) struct Stream<R> {
     /// First message.
     first: Option<MessageRef>,
     /// The declared convention of the rows; here they are in that of ROS.
-    pub(crate) expressed_in: ExpressedIn,
+    pub(crate) expressed_in: StreamConvention,
     /// Runs of rows without a gap, with increasing times.
-    pub(crate) stretches: Vec<Vec<Timed<R>>>,
+    pub(crate) stretches: Vec<Vec<TimedRow<R>>>,
     is_earth_centred: bool,
-    made: Made,
+    made: Cache,
 }
 
 /// Derived from the rows of a stream on first use. A copy, which may be altered, starts without.
 #[derive(Debug, Default)]
-struct Made {
+struct Cache {
     track: OnceLock<Arc<Track>>,
 }
 
-impl Clone for Made {
+impl Clone for Cache {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -67,7 +67,7 @@ impl Clone for Made {
 
 impl<R: Row> Stream<R> {
     /// The stream of a topic, or of a member of its messages; `None` if it has no rows.
-    pub(crate) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
+    pub(crate) fn of(bag: &BagEvidence, said: &TopicContent<'_>, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
         let (stretches, stamp_offset_s) = on_clock(bag, series)?;
         Some(Self {
@@ -82,28 +82,28 @@ impl<R: Row> Stream<R> {
             child: only(said.child_frames),
             stamp_offset_s,
             first: said.first.cloned(),
-            expressed_in: ExpressedIn::default(),
+            expressed_in: StreamConvention::default(),
             stretches,
             is_earth_centred: false,
-            made: Made::default(),
+            made: Cache::default(),
         })
     }
 
     /// Every row of all stretches.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = &Timed<R>> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &TimedRow<R>> {
         self.stretches.iter().flatten()
     }
 
     /// Length of all stretches together, seconds.
     pub(crate) fn seconds(&self) -> f64 {
-        let length = |stretch: &Vec<Timed<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
+        let length = |stretch: &Vec<TimedRow<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
         self.stretches.iter().filter_map(length).sum()
     }
 
     /// Runs of neighbouring rows that last `seconds` each, one after the other, without a step longer than `max_step_s`.
-    pub(crate) fn windows(&self, seconds: f64, max_step_s: f64) -> Vec<&[Timed<R>]> {
+    pub(crate) fn windows(&self, seconds: f64, max_step_s: f64) -> Vec<&[TimedRow<R>]> {
         let mut windows = Vec::new();
-        let apart = |a: &Timed<R>, b: &Timed<R>| b.t_s - a.t_s <= max_step_s;
+        let apart = |a: &TimedRow<R>, b: &TimedRow<R>| b.t_s - a.t_s <= max_step_s;
         for run in self.stretches.iter().flat_map(|stretch| stretch.chunk_by(apart)) {
             let mut rest = run;
             while let Some(first) = rest.first() {
@@ -151,7 +151,7 @@ impl<R: Row> Stream<R> {
 impl<R: Row + Convert> Stream<R> {
     /// The stream in the convention of ROS, converted from what the configuration or names declare.
     pub(crate) fn in_ros(self, world: &World) -> Self {
-        let expressed_in = self.said(world);
+        let expressed_in = self.convention(world);
         let child = self.child.as_ref();
         let mount = child
             .filter(|_| !R::IS_SENSOR && expressed_in.convention.body.is_some())
@@ -160,17 +160,17 @@ impl<R: Row + Convert> Stream<R> {
     }
 
     /// The convention that the configuration or names declare.
-    pub(crate) fn said(&self, world: &World) -> ExpressedIn {
+    pub(crate) fn convention(&self, world: &World) -> StreamConvention {
         let moving = if R::IS_SENSOR {
-            Moving::Frame
+            MovingFrame::Frame
         } else {
-            Moving::Child(self.child.as_ref())
+            MovingFrame::Child(self.child.as_ref())
         };
-        ExpressedIn::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
+        StreamConvention::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
     }
 
     /// The stream in the convention of ROS.
-    pub(crate) fn converted(mut self, expressed_in: ExpressedIn) -> Self {
+    pub(crate) fn converted(mut self, expressed_in: StreamConvention) -> Self {
         if expressed_in.converts() {
             let frame = self.frame.clone();
             for timed in self.stretches.iter_mut().flatten() {
@@ -235,10 +235,10 @@ impl Stream<PoseRow> {
             child: Some(child),
             stamp_offset_s,
             first: Some(edge.first_at.clone()),
-            expressed_in: ExpressedIn::default(),
+            expressed_in: StreamConvention::default(),
             stretches,
             is_earth_centred: false,
-            made: Made::default(),
+            made: Cache::default(),
         })
     }
 }
@@ -276,19 +276,19 @@ fn local(origin: &FixRow, fix: &FixRow) -> Vector3<f64> {
     )
 }
 
-type Stretches<R> = Vec<Vec<Timed<R>>>;
+type Stretches<R> = Vec<Vec<TimedRow<R>>>;
 
 fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<R>, Option<f64>)> {
     let start_ns = bag.start_ns?;
     let clock = Clock::of(series);
     let mut stretches: Stretches<R> = Vec::new();
     for rows in &series.stretches {
-        let mut kept: Vec<Timed<R>> = Vec::with_capacity(rows.len());
+        let mut kept: Vec<TimedRow<R>> = Vec::with_capacity(rows.len());
         for row in rows {
             let t_s = clock.time_s(row, start_ns);
             // Two messages of one log time count once.
             if kept.last().is_none_or(|last| t_s > last.t_s) {
-                kept.push(Timed { t_s, row: row.clone() });
+                kept.push(TimedRow { t_s, row: row.clone() });
             }
         }
         stretches.push(kept);

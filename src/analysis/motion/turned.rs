@@ -2,18 +2,18 @@
 
 use nalgebra::UnitQuaternion;
 
-use crate::analysis::{motion::along::near, motion::stream::Stream, motion::yaw::Oriented};
+use crate::analysis::{motion::along::near, motion::stream::Stream, motion::yaw::OrientedRow};
 use crate::math::readings::Reading;
 
 /// `world_from_body` over time, as published.
-pub(crate) struct Turned {
+pub(crate) struct Orientations {
     /// Runs of `(seconds after the recording's start, orientation)`.
     pub(crate) runs: Vec<Vec<(f64, UnitQuaternion<f64>)>>,
 }
 
-impl Turned {
+impl Orientations {
     /// Of each row; rows without an orientation are left out.
-    pub(crate) fn of<R: Oriented>(stream: &Stream<R>) -> Self {
+    pub(crate) fn of<R: OrientedRow>(stream: &Stream<R>) -> Self {
         let runs = stream.stretches.iter().map(|rows| {
             let of = |slots| Reading::Xyzw.world_from_body(slots);
             let pairs = rows.iter().map(|timed| (timed.t_s, of(timed.row.slots())));

@@ -12,14 +12,14 @@ const MAX_STEP_S: f64 = 2.5;
 const MIN_HORIZONTAL: f64 = 0.5;
 
 /// A row with an orientation.
-pub(crate) trait Oriented {
+pub(crate) trait OrientedRow {
     /// `x y z w` slots as published, not normalised.
     fn slots(&self) -> [f64; 4];
 }
 
 macro_rules! oriented {
     ($($row:ty),*) => {$(
-        impl Oriented for $row {
+        impl OrientedRow for $row {
             fn slots(&self) -> [f64; 4] {
                 self.orientation
             }
@@ -36,7 +36,7 @@ pub(crate) struct Yaws {
 
 impl Yaws {
     /// By the orientations of a sensor with this mounting.
-    pub(crate) fn of<R: Oriented>(stream: &Stream<R>, base_from_sensor: &UnitQuaternion<f64>) -> Self {
+    pub(crate) fn of<R: OrientedRow>(stream: &Stream<R>, base_from_sensor: &UnitQuaternion<f64>) -> Self {
         let forward = base_from_sensor.inverse() * Vector3::x();
         let yaw = |row: &R| {
             let forward = Reading::Xyzw.world_from_body(row.slots())? * forward;

@@ -25,7 +25,7 @@ pub(crate) fn off(mount: &Mount) -> f64 {
 }
 
 /// Whether a mount can be judged: its parent is the camera's own link, or its rotation is a mistake under any parent.
-pub(crate) fn tells(mount: &Mount, limits: &Limits) -> bool {
+pub(crate) fn is_conclusive(mount: &Mount, limits: &Limits) -> bool {
     let not_turned = mount.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
     // No camera is rolled by 90 deg and looks sideways at once: exactly the inverse is a mistake under any parent.
     let inverse = AxisTurn::Optical.quaternion().inverse();
@@ -44,7 +44,8 @@ pub(crate) fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<
 /// Whether NAME06 finds more than a calibration in the rotation of a frame.
 pub(crate) fn reports(world: &Estimates, frame: &FrameId) -> bool {
     let limits = world.limits::<crate::analysis::name::optical::Limits>();
-    worst(world.graph(), frame).is_some_and(|worst| off(&worst) > limits.calibrated_deg && tells(&worst, &limits))
+    worst(world.graph(), frame)
+        .is_some_and(|worst| off(&worst) > limits.calibrated_deg && is_conclusive(&worst, &limits))
 }
 
 /// Whether a frame is rotated from the camera's own link as optical frames are.

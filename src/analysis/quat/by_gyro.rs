@@ -11,7 +11,7 @@ use crate::math::{euler::Order, readings::Reading};
 
 /// An order that was found.
 #[derive(Clone, Debug)]
-pub(crate) struct Ordered {
+pub(crate) struct GyroOrder {
     pub(crate) order: Order,
     /// Orders that fit as well.
     pub(crate) alike: Vec<Order>,
@@ -41,7 +41,7 @@ const ALIKE: f64 = 1.5;
 const DOWN: f64 = -0.5;
 
 /// The order of angles that the quaternions of a sensor are composed in, if the gyro shows one.
-pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option<Ordered> {
+pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option<GyroOrder> {
     let mut tried: Vec<(Order, Turns, f64)> = candidates()
         .filter(|order| !contradicts_gravity(oriented(imu, *order)))
         .filter_map(|order| {
@@ -75,7 +75,7 @@ pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option
         return None;
     }
     let (_, turns, residual) = tried.iter().find(|tried| tried.0 == *order)?;
-    Some(Ordered {
+    Some(GyroOrder {
         order: *order,
         alike: alike.to_vec(),
         as_published,

@@ -17,7 +17,7 @@ pub(crate) enum Slot {
 
 /// Four numbers of a file.
 #[derive(Debug)]
-pub(crate) struct Listed<'a> {
+pub(crate) struct QuaternionList<'a> {
     /// The claim with this spelling.
     pub claim: &'a Claim,
     /// In the order of the file.
@@ -26,7 +26,7 @@ pub(crate) struct Listed<'a> {
     pub slot: Slot,
 }
 
-impl<'a> Listed<'a> {
+impl<'a> QuaternionList<'a> {
     /// The four numbers of a claim; from the magnitude `scalar` on, one looks like the scalar of a small rotation.
     pub(crate) fn of(claim: &'a Claim, xyzw: [f64; 4], scalar: f64) -> Self {
         let mut written = xyzw;

@@ -4,13 +4,13 @@
 
 use nalgebra::UnitQuaternion;
 
-use crate::analysis::motion::{BagMotion, Motion, Turned};
+use crate::analysis::motion::{BagMotion, Motion, Orientations};
 use crate::analysis::{Estimates, axes::causes::Aspect, axes::sensors::Sensors};
 use crate::source::Place;
 use crate::world::{FrameId, World};
 
 /// A stream of orientations.
-pub(crate) struct Oriented {
+pub(crate) struct OrientationStream {
     pub(crate) subject: String,
     pub(crate) place: Place,
     /// The frame that it is expressed in, if it has a name.
@@ -19,23 +19,23 @@ pub(crate) struct Oriented {
     pub(crate) body: Option<FrameId>,
     /// The measurement that shows a fault of the sensor best; the fault shows here too.
     pub(crate) shown_by: Option<Aspect>,
-    pub(crate) turned: Turned,
+    pub(crate) turned: Orientations,
 }
 
 /// The streams of a recording: poses first.
-pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> Vec<Oriented> {
+pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> Vec<OrientationStream> {
     let sensors = Sensors::of(world);
     let poses = bag.poses.iter().filter(|stream| stream.is_way());
-    let poses = poses.map(|stream| Oriented {
+    let poses = poses.map(|stream| OrientationStream {
         subject: stream.subject.clone(),
         place: stream.place(),
         world: stream.frame.clone(),
         body: stream.child.clone(),
         shown_by: None,
-        turned: Turned::of(stream),
+        turned: Orientations::of(stream),
     });
     let imus = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
-    let imus = imus.map(|imu| Oriented {
+    let imus = imus.map(|imu| OrientationStream {
         subject: format!("orientation of {}", imu.stream.subject),
         place: imu.stream.place(),
         world: None,
@@ -44,7 +44,7 @@ pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> V
             .each(motion)
             .find(|(known, _)| std::ptr::eq(*known, imu))
             .and_then(|(_, sensor)| sensor.diagnosis.shown_by),
-        turned: Turned::of(&imu.stream),
+        turned: Orientations::of(&imu.stream),
     });
     poses.chain(imus).collect()
 }
@@ -59,7 +59,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// `None` if they share no frame.
-    pub(crate) fn of(world: &World, a: &Oriented, b: &Oriented) -> Option<Self> {
+    pub(crate) fn of(world: &World, a: &OrientationStream, b: &OrientationStream) -> Option<Self> {
         let bodies = a.body.as_ref().zip(b.body.as_ref()).and_then(|(a, b)| {
             if a == b {
                 return Some(UnitQuaternion::identity());

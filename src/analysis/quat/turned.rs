@@ -1,17 +1,17 @@
 //! Whether an orientation is the integral of its gyro.
 
-use crate::analysis::quat::by_gyro::{Margins, Ordered, ordered};
-use crate::analysis::quat::ways::{Limits, Turned, Ways};
-use crate::analysis::{axes::causes::Turn, look::Look, motion::Imu};
+use crate::analysis::quat::by_gyro::{GyroOrder, Margins, ordered};
+use crate::analysis::quat::ways::{GyroAgreement, Limits, WindowScores};
+use crate::analysis::{axes::causes::Turn, look::Estimate, motion::Imu};
 use crate::verdict::NotEvaluated;
 
 /// The rotation of the orientation compared with the gyro.
-pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Estimate<GyroAgreement> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
     let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
-    let Some(fast) = imu.inertial.turns.as_ref().and_then(Ways::of) else {
+    let Some(fast) = imu.inertial.turns.as_ref().and_then(WindowScores::of) else {
         return little("no gap-free second with both orientation and angular velocity".to_owned());
     };
     if fast.turns.step_s > limits.max_step_s {
@@ -27,11 +27,11 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
             "the orientation rotates {gain:.3} times as far as its gyro, so the gyro is in another unit"
         ));
     }
-    let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
-    let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
+    let slow = imu.inertial.slow_turns.as_ref().and_then(WindowScores::of);
+    let turns_enough = |ways: &WindowScores| ways.rotation_deg() >= limits.min_rotation_deg;
     let order = turns_enough(&fast).then(|| fast_order(imu, &fast, limits)).flatten();
     if let Some(order) = order.as_ref().filter(|order| fast.are_worse(order.residual, limits)) {
-        return Ok(Turned {
+        return Ok(GyroAgreement {
             ordered: Some(order.clone()),
             ..fast.found(Turn::Ordered, None, limits)
         });
@@ -39,7 +39,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
         let class = ways.by_ratio(limits)?;
         let axis = fast.axis(class, limits).ok()?;
-        Some(Turned {
+        Some(GyroAgreement {
             // A simpler fault takes precedence over an order of angles.
             ordered: order.filter(|_| matches!(class, Turn::Agree | Turn::Tilting)),
             ..ways.found(class, axis, limits)
@@ -74,15 +74,15 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
 }
 
 /// An orientation that hardly rotates although its gyro does; for a gyro that something else confirms.
-pub(crate) fn still(imu: &Imu, limits: &Limits) -> Option<Turned> {
-    let fast = imu.inertial.turns.as_ref().and_then(Ways::of)?;
+pub(crate) fn still(imu: &Imu, limits: &Limits) -> Option<GyroAgreement> {
+    let fast = imu.inertial.turns.as_ref().and_then(WindowScores::of)?;
     let is_still = imu.no_orientation.is_none() && fast.is_still(limits);
     is_still.then(|| fast.found(Turn::Unrelated, None, limits))
 }
 
 /// The order of the angles behind the orientation, if it is another one. The search is expensive and reliable, so it runs only when
 /// something indicates a fault.
-pub(crate) fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
+pub(crate) fn fast_order(imu: &Imu, fast: &WindowScores, limits: &Limits) -> Option<GyroOrder> {
     let own = fast.as_published.residual;
     let margins = Margins {
         agrees: limits.agrees,

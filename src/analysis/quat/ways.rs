@@ -6,15 +6,15 @@ use nalgebra::Matrix3;
 use serde::Deserialize;
 
 use crate::analysis::axes::causes::{Readings, Turn};
-use crate::analysis::quat::by_gyro::Ordered;
+use crate::analysis::quat::by_gyro::GyroOrder;
 use crate::math::turns::{Score, Turns};
 use crate::math::{readings::Reading, rotation::singular_values};
 
 /// It is unclear whether the orientation follows its gyro about an axis.
-pub(crate) struct Unclear;
+pub(crate) struct Ambiguity;
 
 /// The windows with the scores of the readings.
-pub(crate) struct Ways<'a> {
+pub(crate) struct WindowScores<'a> {
     pub(crate) turns: &'a Turns,
     pub(crate) as_published: Score,
     pub(crate) inverse: Score,
@@ -27,7 +27,7 @@ pub(crate) struct Ways<'a> {
     unnamed: f64,
 }
 
-impl<'a> Ways<'a> {
+impl<'a> WindowScores<'a> {
     /// `None` if a score is missing.
     pub(crate) fn of(turns: &'a Turns) -> Option<Self> {
         let score = |reading: Reading| turns.score(reading).copied();
@@ -84,9 +84,9 @@ impl<'a> Ways<'a> {
     }
 
     /// The result of these windows.
-    pub(crate) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
+    pub(crate) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> GyroAgreement {
         let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
-        Turned {
+        GyroAgreement {
             class: if axis.is_some() { Turn::Partly } else { class },
             as_published: self.as_published,
             inverse: self.inverse,
@@ -281,7 +281,7 @@ impl<'a> Ways<'a> {
 
     /// For an orientation that follows its gyro overall, the axis about which it does not; an error if that is unclear for an axis that
     /// turns.
-    pub(crate) fn axis(&self, class: Turn, limits: &Limits) -> Result<Option<usize>, Unclear> {
+    pub(crate) fn axis(&self, class: Turn, limits: &Limits) -> Result<Option<usize>, Ambiguity> {
         if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
             return Ok(None);
         }
@@ -314,7 +314,7 @@ impl<'a> Ways<'a> {
                 _ => {}
             }
         }
-        if unclear { Err(Unclear) } else { Ok(None) }
+        if unclear { Err(Ambiguity) } else { Ok(None) }
     }
 }
 
@@ -403,8 +403,8 @@ pub(crate) struct Limits {
     pub(crate) axis_sigmas: f64,
 }
 
-/// The result.
-pub(crate) struct Turned {
+/// Whether an orientation follows its gyro.
+pub(crate) struct GyroAgreement {
     pub(crate) class: Turn,
     pub(crate) as_published: Score,
     pub(crate) inverse: Score,
@@ -418,14 +418,14 @@ pub(crate) struct Turned {
     /// The axis about which it does not follow, among those that turn.
     pub(crate) axis: Option<usize>,
     /// The order of the angles behind it, if the gyro shows another one than that of ROS.
-    pub(crate) ordered: Option<Ordered>,
+    pub(crate) ordered: Option<GyroOrder>,
     /// Number of axes that turn fast enough to be judged.
     pub(crate) speaking: usize,
     /// Root mean square of the rate about each axis, rad/s.
     pub(crate) axis_rms_rad_s: [f64; 3],
 }
 
-impl Turned {
+impl GyroAgreement {
     /// Whether it turns about several axes, so that another order of angles would show.
     pub(crate) fn shows_order(&self) -> bool {
         self.speaking > 1

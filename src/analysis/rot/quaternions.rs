@@ -8,7 +8,7 @@ pub(crate) const ZERO_NORM: f64 = 1e-9;
 
 /// A quaternion as stated.
 #[derive(Debug)]
-pub(crate) struct Stated<'a> {
+pub(crate) struct StatedQuaternion<'a> {
     /// What it belongs to, for messages.
     pub name: String,
     /// As read, `[x, y, z, w]`.
@@ -19,7 +19,7 @@ pub(crate) struct Stated<'a> {
     pub place: Place,
 }
 
-impl Stated<'_> {
+impl StatedQuaternion<'_> {
     /// Its name in rows.
     pub(crate) fn subject(&self, world: &World) -> String {
         format!("quaternion of {} of {}", self.name, world.path(self.place.source))
@@ -27,12 +27,12 @@ impl Stated<'_> {
 }
 
 /// All quaternions of files. Those of TF are in the bags' evidence.
-pub(crate) fn stated(world: &World) -> Vec<Stated<'_>> {
+pub(crate) fn stated(world: &World) -> Vec<StatedQuaternion<'_>> {
     let mut all = Vec::new();
     for claim in &world.claims {
         let ClaimKind::File { .. } = claim.kind else { continue };
         if let Spelling::Quaternion { xyzw, .. } = claim.spelling {
-            all.push(Stated {
+            all.push(StatedQuaternion {
                 name: format!("`{}`", claim.label),
                 xyzw,
                 literals: four(&claim.rotation_literals),
@@ -44,7 +44,7 @@ pub(crate) fn stated(world: &World) -> Vec<Stated<'_>> {
         for joint in &robot.joints {
             for list in joint.origins.iter().filter_map(|origin| origin.quat_xyzw.as_ref()) {
                 if let Some(xyzw) = list.array::<4>() {
-                    all.push(Stated {
+                    all.push(StatedQuaternion {
                         name: format!("joint `{}`", joint.name.value),
                         xyzw,
                         literals: four(&list.literals),

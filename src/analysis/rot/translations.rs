@@ -13,7 +13,7 @@ const WORLDS: &[&str] = &[
 
 /// A translation as stated.
 #[derive(Debug)]
-pub(crate) struct Stated<'a> {
+pub(crate) struct StatedTranslation<'a> {
     /// What it belongs to, for messages and rows.
     pub name: String,
     /// As written, in the format's metres.
@@ -28,7 +28,7 @@ pub(crate) struct Stated<'a> {
     pub place: Place,
 }
 
-impl Stated<'_> {
+impl StatedTranslation<'_> {
     /// Length, metres as declared.
     pub(crate) fn norm(&self) -> f64 {
         let [x, y, z] = self.xyz;
@@ -44,15 +44,15 @@ impl Stated<'_> {
 }
 
 /// All finite translations by source: of every joint, every file and every static TF edge.
-pub(crate) fn by_source(world: &World) -> BTreeMap<SourceId, Vec<Stated<'_>>> {
-    let mut all: BTreeMap<SourceId, Vec<Stated<'_>>> = BTreeMap::new();
+pub(crate) fn by_source(world: &World) -> BTreeMap<SourceId, Vec<StatedTranslation<'_>>> {
+    let mut all: BTreeMap<SourceId, Vec<StatedTranslation<'_>>> = BTreeMap::new();
     for claim in world.claims.iter().filter(|claim| claim.has_translation) {
         let Some(pose) = &claim.pose else { continue };
         let name = match &claim.kind {
             ClaimKind::Joint { joint, .. } => format!("joint `{joint}`"),
             ClaimKind::File { .. } => format!("`{}`", claim.label),
         };
-        all.entry(claim.place.source).or_default().push(Stated {
+        all.entry(claim.place.source).or_default().push(StatedTranslation {
             name,
             xyz: pose.translation_m,
             literals: &claim.translation_literals,
@@ -67,7 +67,7 @@ pub(crate) fn by_source(world: &World) -> BTreeMap<SourceId, Vec<Stated<'_>>> {
     for bag in &world.bags {
         for edge in bag.tf.iter().filter(|edge| edge.is_static) {
             let Some(sample) = edge.first() else { continue };
-            all.entry(bag.source).or_default().push(Stated {
+            all.entry(bag.source).or_default().push(StatedTranslation {
                 name: format!("`{}` from `{}` on {}", edge.parent, edge.child, edge.topic),
                 xyz: sample.pose.translation_m,
                 literals: &[],

@@ -44,7 +44,7 @@ impl Moment {
 
 /// The motion of a lidar between two of its clouds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Moved {
+pub(crate) struct ScanStep {
     pub(crate) from: Moment,
     pub(crate) to: Moment,
     /// `from_level_from_to_level`: pose of the later sensor in the level axes of the earlier one ([`Steps`](super::Steps)).
@@ -53,7 +53,7 @@ pub(crate) struct Moved {
     pub(crate) sigma: [f64; 2],
 }
 
-impl Moved {
+impl ScanStep {
     /// Distance, metres.
     pub(crate) fn way_m(&self) -> f64 {
         self.motion.translation.vector.norm()

@@ -5,8 +5,8 @@
 
 use nalgebra::{Isometry2, Vector2, Vector3};
 
-use crate::analysis::scan_motion::moved::{Moment, Moved};
-use crate::math::scan_match::{Matched, Scan, matched};
+use crate::analysis::scan_motion::moved::{Moment, ScanStep};
+use crate::math::scan_match::{Scan, ScanMatch, matched};
 use crate::world::cloud::CloudSlice;
 
 /// Initial guesses for the first step, metres in x and y.
@@ -16,7 +16,7 @@ const KEY_OVERLAP: f64 = 0.7;
 
 /// A cloud of a run, with the pose of its sensor.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen {
+pub(crate) struct CloudPose {
     moment: Moment,
     /// `first_from_this`: in the axes of the run's first cloud.
     pose: Isometry2<f64>,
@@ -26,12 +26,12 @@ pub(crate) struct Seen {
     drift: Vector2<f64>,
 }
 
-impl Seen {
-    pub(crate) fn moved_to(&self, later: &Self) -> Moved {
+impl CloudPose {
+    pub(crate) fn moved_to(&self, later: &Self) -> ScanStep {
         let motion = self.pose.inv_mul(&later.pose);
         let variance = self.variance + later.variance + (later.drift - self.drift).sup(&Vector2::zeros());
         let way_m = motion.translation.vector.norm();
-        Moved {
+        ScanStep {
             from: self.moment,
             to: later.moment,
             motion,
@@ -41,13 +41,13 @@ impl Seen {
 }
 
 /// A cloud as measured by a moving sensor.
-pub(crate) struct Raw {
+pub(crate) struct RawCloud {
     moment: Moment,
     /// Points, and their times, seconds after the middle of the cloud.
     points: Vec<(Vector2<f64>, f64)>,
 }
 
-impl Raw {
+impl RawCloud {
     pub(crate) fn of(
         moment: Moment,
         slice: &CloudSlice,
@@ -111,12 +111,12 @@ pub(crate) struct Matching {
     /// `last_but_one_from_last`, and the rate that it makes.
     step: Option<(Isometry2<f64>, Rate)>,
     /// The first cloud, until a step shows the sensor's velocity.
-    first: Option<Raw>,
-    pub(crate) seen: Vec<Seen>,
+    first: Option<RawCloud>,
+    pub(crate) seen: Vec<CloudPose>,
 }
 
 impl Matching {
-    pub(crate) fn of(first: Raw) -> Self {
+    pub(crate) fn of(first: RawCloud) -> Self {
         let scan = first.scan(&Rate::NONE);
         Self {
             key: scan.clone(),
@@ -124,7 +124,7 @@ impl Matching {
             key_drift: Vector2::zeros(),
             last: scan,
             step: None,
-            seen: vec![Seen {
+            seen: vec![CloudPose {
                 moment: first.moment,
                 pose: Isometry2::identity(),
                 variance: Vector2::zeros(),
@@ -135,7 +135,7 @@ impl Matching {
     }
 
     /// Adds the next cloud; returns the clouds matched so far if this one cannot be matched.
-    pub(crate) fn take_in(&mut self, raw: Raw) -> Option<Vec<Seen>> {
+    pub(crate) fn take_in(&mut self, raw: RawCloud) -> Option<Vec<CloudPose>> {
         let found = match self.first.take() {
             Some(first) => self.second(&first, &raw),
             None => self.next(&raw),
@@ -146,7 +146,7 @@ impl Matching {
         let pose = self.key_pose * found.motion;
         let step = last.pose.inv_mul(&pose);
         self.step = Some((step, Rate::of(&step, raw.moment.since(&last.moment))));
-        self.seen.push(Seen {
+        self.seen.push(CloudPose {
             moment: raw.moment,
             pose,
             variance: Vector2::new(found.sigma_rad.powi(2), found.sigma_m.powi(2)),
@@ -157,10 +157,10 @@ impl Matching {
     }
 
     /// Matches the second cloud to the first: from the best of several guesses, and again with the velocity that results.
-    fn second(&mut self, first: &Raw, raw: &Raw) -> Option<(Matched, Scan)> {
+    fn second(&mut self, first: &RawCloud, raw: &RawCloud) -> Option<(ScanMatch, Scan)> {
         let still = raw.scan(&Rate::NONE);
         let tried = GUESSES.map(|[x, y]| matched(&self.key, &still, &Isometry2::new(Vector2::new(x, y), 0.0)));
-        let of = |found: &Matched| found.overlap / (found.residual_m + 0.01);
+        let of = |found: &ScanMatch| found.overlap / (found.residual_m + 0.01);
         let rough = tried.into_iter().flatten().max_by(|a, b| of(a).total_cmp(&of(b)))?;
         let rate = Rate::of(&rough.motion, raw.moment.since(&first.moment));
         self.key = first.scan(&rate);
@@ -169,7 +169,7 @@ impl Matching {
     }
 
     /// Matches a later cloud, starting from the last step.
-    fn next(&mut self, raw: &Raw) -> Option<(Matched, Scan)> {
+    fn next(&mut self, raw: &RawCloud) -> Option<(ScanMatch, Scan)> {
         let (step, rate) = self.step?;
         let scan = raw.scan(&rate);
         let pose = self.seen.last()?.pose * step;

@@ -21,14 +21,14 @@ pub(crate) struct Limits {
 }
 
 /// Azimuth of the first column, in one cloud.
-pub(crate) struct First {
+pub(crate) struct FirstAzimuth {
     pub(crate) azimuth_rad: f64,
     pub(crate) resultant: f64,
     pub(crate) other: f64,
 }
 
 /// The azimuth of the first column of a topic's clouds.
-pub(crate) struct Seen {
+pub(crate) struct AzimuthFit {
     /// The frame that the clouds are expressed in; `None` where the first column matches neither.
     pub(crate) axes: Option<Axes>,
     pub(crate) azimuth_rad: f64,
@@ -36,8 +36,8 @@ pub(crate) struct Seen {
 }
 
 /// Which axes the clouds are expressed in, or why that is not determined.
-pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
-    let firsts: Vec<First> = clouds
+pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<AzimuthFit, String> {
+    let firsts: Vec<FirstAzimuth> = clouds
         .evidence
         .samples
         .iter()
@@ -56,7 +56,7 @@ pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
     let least = firsts.iter().map(|first| first.resultant).fold(1.0, f64::min);
     let other = firsts.iter().map(|first| first.other).fold(0.0, f64::max);
     let near = |axes: &Axes| difference(mean.mean_rad, axes.azimuth_rad()).abs().to_degrees() <= limits.max_off_deg;
-    Ok(Seen {
+    Ok(AzimuthFit {
         axes: Axes::BOTH.into_iter().find(near),
         azimuth_rad: mean.mean_rad,
         measured: [
@@ -84,7 +84,7 @@ pub(crate) fn share(clouds: &Clouds, sample: &CloudSample, index: usize) -> Opti
 }
 
 /// The azimuth of the first column of a cloud; `None` where it is not determined.
-pub(crate) fn first(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<First> {
+pub(crate) fn first(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<FirstAzimuth> {
     let is_organised = is_organised(sample);
     let share = |index: usize| share(clouds, sample, index);
     if !is_organised {
@@ -104,10 +104,10 @@ pub(crate) fn first(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> O
         circular_mean(angles)
     };
     let (clockwise, other) = (with(1.0)?, with(-1.0)?);
-    let is_told = sample.points.len() >= limits.min_points
+    let is_clear = sample.points.len() >= limits.min_points
         && clockwise.resultant >= limits.min_resultant
         && clockwise.resultant >= limits.min_ratio * other.resultant;
-    is_told.then_some(First {
+    is_clear.then_some(FirstAzimuth {
         azimuth_rad: clockwise.mean_rad,
         resultant: clockwise.resultant,
         other: other.resultant,

@@ -13,7 +13,7 @@ use crate::source::Place;
 
 /// What a yaw was found to be.
 #[derive(Debug)]
-pub(crate) struct Found {
+pub(crate) struct YawZero {
     /// Whether it grows clockwise, seen from above.
     pub(crate) is_clockwise: bool,
     /// The yaw minus the compass heading, or minus the yaw by REP-103, depending on the direction; `None` where the zero of the other
@@ -37,7 +37,7 @@ pub(crate) fn by_compass(
     needs_turn: bool,
     turns: &crate::analysis::axes::heading::Limits,
     limits: &Limits,
-) -> Option<Found> {
+) -> Option<YawZero> {
     let angles = compass.angles.iter();
     let pairs: Vec<(f64, f64)> = angles
         .filter_map(|(t_s, heading)| Some((yaws.at(*t_s)?, *heading)))
@@ -50,7 +50,7 @@ pub(crate) fn by_compass(
     if pairs.len() < limits.min_samples {
         return None;
     }
-    let found = |is_clockwise: bool, [best, other]: [&CircularMean; 2]| Found {
+    let found = |is_clockwise: bool, [best, other]: [&CircularMean; 2]| YawZero {
         is_clockwise,
         zero_rad: Some(best.mean_rad),
         resultants: [best.resultant, other.resultant],
@@ -87,7 +87,7 @@ pub(crate) fn by_track(
     track: &Track,
     knows_north: bool,
     turns: &crate::analysis::axes::heading::Limits,
-) -> Option<Found> {
+) -> Option<YawZero> {
     let heading = Heading::of(yaws, &track.courses(turns.min_speed_m_s), turns);
     if heading.agreement().is_none_or(|share| share < turns.min_agreement) {
         return None;
@@ -97,7 +97,7 @@ pub(crate) fn by_track(
     let from_zero = if is_clockwise { FRAC_PI_2 } else { 0.0 };
     let is_steady = heading.offset_resultant >= turns.min_resultant;
     let [left, right] = heading.resultants;
-    Some(Found {
+    Some(YawZero {
         is_clockwise,
         zero_rad: (knows_north && is_steady).then(|| wrapped(heading.offset_rad - from_zero)),
         resultants: if is_clockwise { [right, left] } else { [left, right] },

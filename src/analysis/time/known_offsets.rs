@@ -12,7 +12,7 @@ const ROLLOVER_S: f64 = 619_315_200.0;
 
 /// How specific an explanation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Specific {
+pub(crate) enum Specificity {
     /// One of a dense family, or as small as a latency: a random offset matches now and then.
     Family,
     /// A single number.
@@ -21,20 +21,20 @@ pub(crate) enum Specific {
 
 /// A named offset.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Named {
+pub(crate) struct KnownOffset {
     /// `stamp - log` that it predicts, seconds.
     pub(crate) offset_s: f64,
     /// What it is, in words.
     pub(crate) what: String,
     /// How specific it is.
-    pub(crate) specific: Specific,
+    pub(crate) specific: Specificity,
     /// Entries of one cause, of which the nearest counts.
     cause: &'static str,
     /// Whether latency is of its size: only the fine tolerance is allowed.
     fine: bool,
 }
 
-impl Named {
+impl KnownOffset {
     /// Whether latency has this size.
     pub(crate) fn is_fine(&self) -> bool {
         self.fine
@@ -61,14 +61,14 @@ pub(crate) enum Explanation {
     /// Nothing.
     Unknown,
     /// One cause.
-    One(Named),
+    One(KnownOffset),
     /// Several causes of one rank, nearest first: none of them is believed.
-    Several(Vec<Named>),
+    Several(Vec<KnownOffset>),
 }
 
-fn entry(cause: &'static str, offset_s: f64, specific: Specific, what: String) -> Named {
+fn entry(cause: &'static str, offset_s: f64, specific: Specificity, what: String) -> KnownOffset {
     let fine = false;
-    Named {
+    KnownOffset {
         offset_s,
         what,
         specific,
@@ -78,7 +78,7 @@ fn entry(cause: &'static str, offset_s: f64, specific: Specific, what: String) -
 }
 
 /// Leap seconds: `GPS - UTC`, `TAI - UTC` and `TAI - GPS`, either way.
-fn leaps(gps: f64, tai: f64) -> Vec<Named> {
+fn leaps(gps: f64, tai: f64) -> Vec<KnownOffset> {
     let twice = "subtracted twice, or from the wrong clock";
     let words = [
         (
@@ -102,16 +102,16 @@ fn leaps(gps: f64, tai: f64) -> Vec<Named> {
     ];
     let both = words.into_iter().flat_map(|(cause, offset, ahead, behind)| {
         [
-            entry(cause, -offset, Specific::Single, behind),
-            entry(cause, offset, Specific::Single, ahead),
+            entry(cause, -offset, Specificity::Single, behind),
+            entry(cause, offset, Specificity::Single, ahead),
         ]
     });
     both.collect()
 }
 
 /// Epochs, week rollovers and wrapped counters.
-fn singles(gps: f64) -> Vec<Named> {
-    let single = |cause, offset, what: &str| entry(cause, offset, Specific::Single, what.to_owned());
+fn singles(gps: f64) -> Vec<KnownOffset> {
+    let single = |cause, offset, what: &str| entry(cause, offset, Specificity::Single, what.to_owned());
     let mut table = vec![
         single("ntp", 2_208_988_800.0, "the NTP epoch (1900) used as the Unix epoch"),
         single("hfs", 2_082_844_800.0, "the 1904 epoch (HFS) used as the Unix epoch"),
@@ -131,7 +131,7 @@ fn singles(gps: f64) -> Vec<Named> {
 }
 
 /// Offsets as small as a latency.
-fn fine() -> impl Iterator<Item = Named> {
+fn fine() -> impl Iterator<Item = KnownOffset> {
     let wrapped = "a 32-bit nanosecond counter wrapped once";
     let table = [
         ("ns", 4.294_967_296, wrapped),
@@ -143,25 +143,25 @@ fn fine() -> impl Iterator<Item = Named> {
         ),
         ("pps", -1.0, "one pulse per second (PPS) was not counted"),
     ];
-    table.into_iter().map(|(cause, offset, what)| Named {
+    table.into_iter().map(|(cause, offset, what)| KnownOffset {
         fine: true,
-        ..entry(cause, offset, Specific::Family, what.to_owned())
+        ..entry(cause, offset, Specificity::Family, what.to_owned())
     })
 }
 
 /// A time zone or an hour ambiguity: a multiple of a quarter of an hour up to 14 h; or whole days, or weeks.
-fn families(offset_s: f64) -> Vec<Named> {
+fn families(offset_s: f64) -> Vec<KnownOffset> {
     let mut found = Vec::new();
     let quarters = (offset_s / 900.0).round();
     if quarters != 0.0 && quarters.abs() <= 56.0 {
         let what = format!("local time used as UTC, or an ambiguous hour ({} h)", quarters / 4.0);
-        found.push(entry("zone", quarters * 900.0, Specific::Family, what));
+        found.push(entry("zone", quarters * 900.0, Specificity::Family, what));
     }
     for (unit, word) in [(604_800.0, "weeks"), (86_400.0, "days")] {
         let count = (offset_s / unit).round();
         if count != 0.0 && count.abs() <= 60.0 {
             let what = format!("{count} whole {word}");
-            found.push(entry("days", count * unit, Specific::Family, what));
+            found.push(entry("days", count * unit, Specificity::Family, what));
         }
     }
     found
@@ -172,8 +172,8 @@ fn families(offset_s: f64) -> Vec<Named> {
 pub(crate) fn explain(offset_s: f64, tolerance: Tolerance, log_s: f64) -> Explanation {
     let leap = leap_seconds();
     let (gps, tai) = (leap.gps_minus_utc_s(log_s), leap.tai_minus_utc_s(log_s));
-    let away = |named: &Named| (named.offset_s - offset_s).abs();
-    let mut hits: Vec<Named> = leaps(gps, tai)
+    let away = |named: &KnownOffset| (named.offset_s - offset_s).abs();
+    let mut hits: Vec<KnownOffset> = leaps(gps, tai)
         .into_iter()
         .chain(singles(gps))
         .chain(fine())

@@ -5,7 +5,7 @@
 use serde::Deserialize;
 
 use crate::analysis::time::known_offsets::{Explanation, Tolerance, explain};
-use crate::analysis::time::streams::{Clock, Of, Stream, log_clock, log_start_s};
+use crate::analysis::time::streams::{Clock, Stream, StreamSource, log_clock, log_start_s};
 use crate::analysis::{time::simulated::Time, time::units::unit_error};
 use crate::math::stats::median;
 use crate::world::BagEvidence;
@@ -73,7 +73,9 @@ impl<'l> Naming<'l> {
         let believed = |found: Explanation| match found {
             Explanation::One(named) if named.is_latency() && (slow || stream.is_gnss()) => Explanation::Unknown,
             // Localisation stamps a second ahead by intent.
-            Explanation::One(named) if named.is_fine() && matches!(stream.of, Of::Edge(_)) => Explanation::Unknown,
+            Explanation::One(named) if named.is_fine() && matches!(stream.of, StreamSource::Edge(_)) => {
+                Explanation::Unknown
+            }
             found => found,
         };
         let against_log = believed(explain(offset, tolerance, self.log_s));

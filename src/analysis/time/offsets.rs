@@ -13,12 +13,12 @@ const GUARD_S: f64 = 2.0;
 
 /// By what two signals are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum By {
+pub(crate) enum Quantity {
     YawRate,
     Speed,
 }
 
-impl By {
+impl Quantity {
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::YawRate => "yaw rate",
@@ -30,7 +30,7 @@ impl By {
 /// A lag that counts: the second signal after the first.
 #[derive(Clone, Debug)]
 pub(crate) struct Offset {
-    pub(crate) by: By,
+    pub(crate) by: Quantity,
     /// By the times that messages arrive with, seconds.
     pub(crate) in_log_s: f64,
     /// By the stamps, seconds.
@@ -43,53 +43,54 @@ pub(crate) struct Offset {
 }
 
 /// Why there is no offset.
-pub(crate) enum Without {
+pub(crate) enum NoOffset {
     /// The signals do not determine one: their correlation, and why.
-    Silent(f64, String),
+    Undetermined(f64, String),
     /// They determine one, but it changes.
     Varies(String),
 }
 
 /// The offset, unless the two may be of two bodies: one that follows the other shows its motion later without a fault.
-pub(crate) fn held(world: &World, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Without> {
+pub(crate) fn held(world: &World, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
     if let (Some(one), Some(other)) = (&first.body, &second.body)
         && one != other
         && world.graph().chain(one, other, |edge| edge.is_rigid).is_none()
     {
         let why = format!("no rigid transform connects `{other}` and `{one}`: they may be two bodies");
-        return Err(Without::Silent(0.0, why));
+        return Err(NoOffset::Undetermined(0.0, why));
     }
     offset(first, second, limits)
 }
 
 /// The offset of `second` against `first`, by the quantity that determines it best.
-fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Without> {
+fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
     let (Some(from_s), Some(to_s)) = (first.stamp_offset_s, second.stamp_offset_s) else {
         let why = "the stamps are zero, do not advance, or advance at another rate than the log clock";
-        return Err(Without::Silent(0.0, why.to_owned()));
+        return Err(NoOffset::Undetermined(0.0, why.to_owned()));
     };
-    let by = |by: By, a: &Runs, b: &Runs| told(a, b, by, [first.kind, second.kind].contains(&Kind::Fix), limits);
-    let turned = by(By::YawRate, &first.yaw_rate, &second.yaw_rate);
-    let ran = by(By::Speed, &first.speed, &second.speed);
+    let by =
+        |by: Quantity, a: &Runs, b: &Runs| log_lag(a, b, by, [first.kind, second.kind].contains(&Kind::Fix), limits);
+    let turned = by(Quantity::YawRate, &first.yaw_rate, &second.yaw_rate);
+    let ran = by(Quantity::Speed, &first.speed, &second.speed);
     let best = match (turned, ran) {
-        (Err(varies @ Without::Varies(_)), _) | (_, Err(varies @ Without::Varies(_))) => Err(varies),
+        (Err(varies @ NoOffset::Varies(_)), _) | (_, Err(varies @ NoOffset::Varies(_))) => Err(varies),
         (Ok(turned), Ok(ran)) => Ok(if ran.sigma_s < turned.sigma_s { ran } else { turned }),
-        (Ok(one), Err(Without::Silent(..))) | (Err(Without::Silent(..)), Ok(one)) => Ok(one),
-        (Err(Without::Silent(a, why)), Err(Without::Silent(b, other))) => Err(if b > a {
-            Without::Silent(b, other)
+        (Ok(one), Err(NoOffset::Undetermined(..))) | (Err(NoOffset::Undetermined(..)), Ok(one)) => Ok(one),
+        (Err(NoOffset::Undetermined(a, why)), Err(NoOffset::Undetermined(b, other))) => Err(if b > a {
+            NoOffset::Undetermined(b, other)
         } else {
-            Without::Silent(a, why)
+            NoOffset::Undetermined(a, why)
         }),
     };
     let ahead_s = to_s - from_s;
-    best.map(|told| Offset {
-        by: told.by,
-        in_log_s: told.peak.lag_s,
-        in_stamps_s: told.peak.lag_s + ahead_s,
-        sigma_s: told.sigma_s,
-        correlation: told.peak.rho,
-        n_eff: told.peak.n_eff,
-        curve: told
+    best.map(|lag| Offset {
+        by: lag.by,
+        in_log_s: lag.peak.lag_s,
+        in_stamps_s: lag.peak.lag_s + ahead_s,
+        sigma_s: lag.sigma_s,
+        correlation: lag.peak.rho,
+        n_eff: lag.peak.n_eff,
+        curve: lag
             .curve
             .into_iter()
             .map(|[lag_s, rho]| [lag_s + ahead_s, rho])
@@ -98,16 +99,16 @@ fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Wi
 }
 
 /// A lag by the times that messages arrive with.
-struct ByLog {
-    by: By,
+struct LogLag {
+    by: Quantity,
     sigma_s: f64,
     peak: Peak,
     curve: Vec<[f64; 2]>,
 }
 
-fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> Result<ByLog, Without> {
-    let silent = |rho: f64, why: &str| Err(Without::Silent(rho, format!("{}: {why}", by.words())));
-    let options = if is_fix || by == By::Speed {
+fn log_lag(first: &Runs, second: &Runs, by: Quantity, is_fix: bool, limits: &Limits) -> Result<LogLag, NoOffset> {
+    let silent = |rho: f64, why: &str| Err(NoOffset::Undetermined(rho, format!("{}: {why}", by.words())));
+    let options = if is_fix || by == Quantity::Speed {
         Options {
             grid_s: 0.1,
             smooth_s: 0.5,
@@ -132,7 +133,7 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         let why = format!("both are recorded for {recorded_s:.1} s; {} s are needed", limits.min_s);
         return silent(peak.rho, &why);
     }
-    if by == By::YawRate {
+    if by == Quantity::YawRate {
         let turning_rad_s = deviation(first).min(deviation(second));
         if turning_rad_s < limits.min_turning_rad_s {
             let why = format!(
@@ -184,7 +185,7 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         let (low, high) = lags
             .iter()
             .fold((f64::MAX, f64::MIN), |(low, high), lag| (low.min(*lag), high.max(*lag)));
-        return Err(Without::Varies(format!(
+        return Err(NoOffset::Varies(format!(
             "by {} the lag is {low:+.3} s in one third of the recording and {high:+.3} s in another: a clock drifts, or stamps \
              jitter",
             by.words()
@@ -199,10 +200,10 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
     }
     // Speeds are taken over two seconds, so that errors of neighbouring speeds are correlated.
     let sigma_s = match by {
-        By::YawRate => sigma_s,
-        By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
+        Quantity::YawRate => sigma_s,
+        Quantity::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
     };
-    Ok(ByLog {
+    Ok(LogLag {
         by,
         sigma_s,
         peak,
@@ -294,9 +295,9 @@ mod tests {
         let (mut found, mut worst) = (0, 0.0_f64);
         for _ in 0..trials {
             let [gyro, rate] = drive(&mut rng, seconds, noise, related);
-            if let Ok(told) = told(&gyro, &rate, By::YawRate, false, &limits) {
+            if let Ok(lag) = log_lag(&gyro, &rate, Quantity::YawRate, false, &limits) {
                 found += 1;
-                worst = worst.max((told.peak.lag_s - LATE_S).abs());
+                worst = worst.max((lag.peak.lag_s - LATE_S).abs());
             }
         }
         (f64::from(found) / f64::from(trials), worst)
@@ -309,11 +310,11 @@ mod tests {
             (0.01, 90.0, 0.9, 0.01),
             (0.05, 90.0, 0.9, 0.03),
         ] {
-            let (told, worst_s) = share(seconds, noise, true, 20);
-            println!("noise {noise}, {seconds} s: told {told:.2}, worst {worst_s:.3} s");
+            let (share, worst_s) = share(seconds, noise, true, 20);
+            println!("noise {noise}, {seconds} s: told {share:.2}, worst {worst_s:.3} s");
             assert!(
-                told >= least && worst_s <= most_s,
-                "{noise} {seconds}: {told} {worst_s}"
+                share >= least && worst_s <= most_s,
+                "{noise} {seconds}: {share} {worst_s}"
             );
         }
         for seconds in [20.0, 40.0, 90.0] {

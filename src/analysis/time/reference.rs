@@ -2,19 +2,23 @@
 //!
 //! Owns how many pairs are tried. Must not judge.
 
-use crate::analysis::time::offsets::{Limits, Offset, Without, held};
+use crate::analysis::time::offsets::{Limits, NoOffset, Offset, held};
 use crate::analysis::time::turning::{Kind, Signal};
 use crate::world::World;
 
 /// A signal, and the offsets of those behind it.
-type Found<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, Without>)>);
+type SignalOffsets<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, NoOffset>)>);
 
 /// The correlation of two signals that determine no lag, and why they do not.
-type Silence = (f64, String);
+type NoLag = (f64, String);
 
 /// The first signal that another one can be compared with, or why each signal cannot be compared.
-pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limits) -> Result<Found<'s>, Vec<String>> {
-    let mut silent: Vec<Vec<Silence>> = Vec::new();
+pub(crate) fn reference<'s>(
+    world: &World,
+    signals: &'s [Signal],
+    limits: &Limits,
+) -> Result<SignalOffsets<'s>, Vec<String>> {
+    let mut silent: Vec<Vec<NoLag>> = Vec::new();
     for (index, first) in signals.iter().enumerate() {
         if silent.iter().map(Vec::len).sum::<usize>() >= limits.max_pairs {
             break;
@@ -23,8 +27,8 @@ pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limit
         let others: Vec<_> = others
             .map(|second| (second, held(world, first, second, limits)))
             .collect();
-        let of = |(_, found): &(&Signal, Result<Offset, Without>)| match found {
-            Err(Without::Silent(rho, why)) => Some((*rho, why.clone())),
+        let of = |(_, found): &(&Signal, Result<Offset, NoOffset>)| match found {
+            Err(NoOffset::Undetermined(rho, why)) => Some((*rho, why.clone())),
             _ => None,
         };
         match others.iter().map(of).collect() {
@@ -38,7 +42,7 @@ pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limit
 }
 
 /// Why a signal cannot be compared: `silent` has, for each that was tried, the signals behind it.
-fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
+fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<NoLag>]) -> String {
     let between = |other: usize| {
         let (first, second) = (index.min(other), index.max(other));
         silent.get(first)?.get((second - first).checked_sub(1)?)

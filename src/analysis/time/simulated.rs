@@ -1,6 +1,6 @@
 //! Whether a recording runs in simulated time.
 
-use crate::analysis::time::streams::{Clock, Of, Stream, log_clock};
+use crate::analysis::time::streams::{Clock, Stream, StreamSource, log_clock};
 use crate::world::BagEvidence;
 
 /// The kind of time that a recording's data are stamped in.
@@ -30,7 +30,9 @@ impl Time {
 
 /// Whether the moving transforms and most data count from a start, and no transform shows calendar time.
 pub(crate) fn counts_together(streams: &[Stream<'_>]) -> bool {
-    let edges = streams.iter().filter(|stream| matches!(stream.of, Of::Edge(_)));
+    let edges = streams
+        .iter()
+        .filter(|stream| matches!(stream.of, StreamSource::Edge(_)));
     let mut clocks = edges.filter_map(Stream::clock).peekable();
     let has_tf = clocks.peek().is_some() && clocks.all(|clock| clock == Clock::Uptime);
     has_tf && counting(streams) * 2 > streams.iter().filter(|stream| is_data(stream)).count()
@@ -38,7 +40,7 @@ pub(crate) fn counts_together(streams: &[Stream<'_>]) -> bool {
 
 /// Whether the stream is of data whose stamps must be of the common clock.
 pub(crate) fn is_data(stream: &Stream<'_>) -> bool {
-    matches!(stream.of, Of::Edge(_)) || stream.is_live()
+    matches!(stream.of, StreamSource::Edge(_)) || stream.is_live()
 }
 
 /// How many streams of data count from a start.

@@ -30,7 +30,7 @@ pub(crate) struct Stream<'w> {
     /// The scale that the user declares its stamps in.
     pub(crate) declared: Option<Scale>,
     /// What it is a stream of.
-    pub(crate) of: Of<'w>,
+    pub(crate) of: StreamSource<'w>,
 }
 
 /// A time scale that the configuration declares.
@@ -44,7 +44,7 @@ pub(crate) struct Scale {
 
 /// What a stream is a stream of.
 #[derive(Clone, Copy)]
-pub(crate) enum Of<'w> {
+pub(crate) enum StreamSource<'w> {
     /// The messages of a topic.
     Topic(&'w TopicEvidence),
     /// A TF edge that is not latched.
@@ -148,7 +148,9 @@ impl Stream<'_> {
 
     /// Whether it is an edge whose pose changes.
     pub(crate) fn moves(&self, limits: &Limits) -> bool {
-        let Of::Edge(edge) = self.of else { return false };
+        let StreamSource::Edge(edge) = self.of else {
+            return false;
+        };
         edge.extreme.as_ref().is_some_and(|(_, angle_rad, distance_m)| {
             angle_rad.to_degrees() > limits.moves_deg || *distance_m > limits.moves_m
         })
@@ -163,16 +165,16 @@ impl Stream<'_> {
     /// The message type; empty for TF.
     pub(crate) fn message_type(&self) -> &str {
         match self.of {
-            Of::Topic(topic) => &topic.message_type,
-            Of::Edge(_) => "",
+            StreamSource::Topic(topic) => &topic.message_type,
+            StreamSource::Edge(_) => "",
         }
     }
 
     /// The topic.
     fn topic(&self) -> &str {
         match self.of {
-            Of::Topic(topic) => &topic.topic,
-            Of::Edge(edge) => &edge.topic,
+            StreamSource::Topic(topic) => &topic.topic,
+            StreamSource::Edge(edge) => &edge.topic,
         }
     }
 
@@ -256,7 +258,7 @@ pub(crate) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
             start_ns: bag.start_ns.unwrap_or(0),
             single_frame: topic.header_frames.len() <= 1 && topic.writers.len() <= 1,
             declared: None,
-            of: Of::Topic(topic),
+            of: StreamSource::Topic(topic),
         })
         .collect();
     streams.extend(bag.tf.iter().filter(|edge| !edge.is_static).map(|edge| Stream {
@@ -266,7 +268,7 @@ pub(crate) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         start_ns: bag.start_ns.unwrap_or(0),
         single_frame: true,
         declared: None,
-        of: Of::Edge(edge),
+        of: StreamSource::Edge(edge),
     }));
     streams
 }
@@ -284,8 +286,8 @@ pub(crate) fn declared_streams<'w>(world: &World, bag: &'w BagEvidence) -> Vec<S
 /// The scale that the user declares a stream's stamps in.
 fn scale(world: &World, bag: &BagEvidence, stream: &Stream<'_>) -> Option<Scale> {
     let frames: Vec<&FrameId> = match stream.of {
-        Of::Topic(topic) => topic.header_frames.keys().collect(),
-        Of::Edge(edge) => vec![&edge.parent, &edge.child],
+        StreamSource::Topic(topic) => topic.header_frames.keys().collect(),
+        StreamSource::Edge(edge) => vec![&edge.parent, &edge.child],
     };
     let declared = world.declared(bag.source, stream.topic(), &frames)?;
     let (at_s, table) = (log_start_s(bag), leap_seconds());

@@ -26,10 +26,10 @@ pub(crate) fn sweeps_the_other_way(clouds: &Clouds, limits: &Limits) -> bool {
         return false;
     };
     let samples = clouds.evidence.samples.iter();
-    let told: Vec<Sweep> = samples
+    let sweeps: Vec<Sweep> = samples
         .filter_map(|sample| Some(sweep(clouds, sample, limits)?.0))
         .collect();
-    told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
+    sweeps.len() >= limits.min_clouds && sweeps.iter().all(|seen| *seen != expected)
 }
 
 /// The direction of a cloud's sweep, with the resultants of that direction and of the other one; `None` where it is not determined.
@@ -47,12 +47,12 @@ pub(crate) fn sweep(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> O
     };
     let (left, right) = (with(1.0)?, with(-1.0)?);
     let (best, other) = (left.max(right), left.min(right));
-    let is_told =
+    let is_clear =
         sample.points.len() >= limits.min_points && best >= limits.min_resultant && best >= limits.min_ratio * other;
     let seen = if right > left {
         Sweep::Clockwise
     } else {
         Sweep::CounterClockwise
     };
-    is_told.then_some((seen, best, other))
+    is_clear.then_some((seen, best, other))
 }

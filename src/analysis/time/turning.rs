@@ -4,7 +4,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::analysis::motion::{BagMotion, Course, Imu, Stream, Timed, Track};
+use crate::analysis::motion::{BagMotion, Course, Imu, Stream, TimedRow, Track};
 use crate::analysis::names;
 use crate::math::{circular::wrapped, readings::Reading, stats::median};
 use crate::source::Place;
@@ -116,8 +116,8 @@ fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&T
     }
 }
 
-fn runs<R>(stream: &Stream<R>, value: impl Fn(&Timed<R>) -> f64) -> Runs {
-    let of = |rows: &Vec<Timed<R>>| rows.iter().map(|timed| (timed.t_s, value(timed))).collect();
+fn runs<R>(stream: &Stream<R>, value: impl Fn(&TimedRow<R>) -> f64) -> Runs {
+    let of = |rows: &Vec<TimedRow<R>>| rows.iter().map(|timed| (timed.t_s, value(timed))).collect();
     stream.stretches.iter().map(of).collect()
 }
 
@@ -139,9 +139,10 @@ fn gyro(imu: &Imu) -> Runs {
 
 /// The rate about z of the world from one orientation to the next.
 fn orientations<R: Row>(stream: &Stream<R>, slots: impl Fn(&R) -> [f64; 4]) -> Runs {
-    let turn = |pair: &[Timed<R>]| {
+    let turn = |pair: &[TimedRow<R>]| {
         let [a, b] = pair else { return None };
-        let of = |timed: &Timed<R>| -> Option<UnitQuaternion<f64>> { Reading::Xyzw.world_from_body(slots(&timed.row)) };
+        let of =
+            |timed: &TimedRow<R>| -> Option<UnitQuaternion<f64>> { Reading::Xyzw.world_from_body(slots(&timed.row)) };
         let (from, to) = (of(a)?, of(b)?);
         let step_s = b.t_s - a.t_s;
         let rate = (to * from.inverse()).scaled_axis().z / step_s;
@@ -149,7 +150,7 @@ fn orientations<R: Row>(stream: &Stream<R>, slots: impl Fn(&R) -> [f64; 4]) -> R
         // Not a number: a cut.
         Some((f64::midpoint(a.t_s, b.t_s), if is_sound { rate } else { f64::NAN }))
     };
-    let of = |rows: &Vec<Timed<R>>| rows.windows(2).filter_map(turn).collect();
+    let of = |rows: &Vec<TimedRow<R>>| rows.windows(2).filter_map(turn).collect();
     stream.stretches.iter().map(of).collect()
 }
 

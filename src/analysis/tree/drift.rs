@@ -36,7 +36,7 @@ impl Drift {
     }
 
     /// Whether it is one; `None` where it is too uncertain to say.
-    pub(crate) fn is_told(&self, limits: &Limits) -> Option<bool> {
+    pub(crate) fn is_significant(&self, limits: &Limits) -> Option<bool> {
         let (least_m, margin_m) = (self.least_m(limits), limits.margin * self.sigma_m);
         if self.by_m + margin_m <= least_m {
             Some(false)
@@ -98,7 +98,7 @@ pub(crate) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &
 }
 
 /// A third of both tracks, and the rotation and translation that aligns them.
-struct Laid {
+struct Alignment {
     middle: Vector2<f64>,
     turn: Rotation2<f64>,
     image: Vector2<f64>,
@@ -112,7 +112,7 @@ struct Laid {
     turn_sigma_rad: f64,
 }
 
-impl Laid {
+impl Alignment {
     fn of(both: &[(Vector2<f64>, Vector2<f64>)], sigma_m: f64) -> Option<Self> {
         let (from, to): (Vec<_>, Vec<_>) = both.iter().copied().unzip();
         let count = both.len() as f64;
@@ -157,7 +157,7 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
             3 * limits.min_points
         ));
     }
-    let part = |from: usize, to: usize| both.get(from..to).and_then(|part| Laid::of(part, sigma_m));
+    let part = |from: usize, to: usize| both.get(from..to).and_then(|part| Alignment::of(part, sigma_m));
     let way_m = path_length(&both.iter().map(|(odometry, _)| *odometry).collect::<Vec<_>>());
     let (Some(first), Some(last)) = (part(0, third), part(both.len() - third, both.len())) else {
         return Err("the vehicle does not move in the first or the last third of the drive".to_owned());
@@ -165,7 +165,7 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
     if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
         return Err("the odometry does not match it even over a third of the drive".to_owned());
     }
-    let strays = |laid: &Laid| (laid.scale - 1.0).abs() > limits.max_scale;
+    let strays = |aligned: &Alignment| (aligned.scale - 1.0).abs() > limits.max_scale;
     if let Some(part) = [&first, &last].into_iter().find(|part| strays(part)) {
         return Err(format!(
             "over a third of the drive it is {:.2} times as long as the odometry, so the two do not follow the same path",

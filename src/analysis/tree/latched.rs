@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::analysis::relate::{Difference, Same};
+use crate::analysis::relate::{Difference, PoseTolerance};
 use crate::verdict::Severity;
 use crate::world::bag::{TfEdge, TfSample};
 use crate::world::{BagEvidence, FrameId};
@@ -61,13 +61,13 @@ impl Change {
 
 /// Transforms that keep their value, for one row.
 #[derive(Default)]
-pub(crate) struct Calm {
+pub(crate) struct StableTally {
     pub(crate) count: u64,
     pub(crate) deg: f64,
     pub(crate) m: f64,
 }
 
-impl Calm {
+impl StableTally {
     /// One more that keeps its value.
     pub(crate) fn add(&mut self, change: &Change) {
         self.count += 1;
@@ -78,7 +78,7 @@ impl Calm {
 
 /// The difference in words, and the convention error that explains it.
 pub(crate) fn difference(a: &TfSample, b: &TfSample, limits: &Limits) -> Difference {
-    let same = Same {
+    let same = PoseTolerance {
         deg: limits.same_deg,
         m: limits.same_m,
     };

@@ -16,11 +16,11 @@ pub(crate) struct Listeners<'w> {
     bag: &'w BagEvidence,
     /// The namespaces that contain a frame.
     of_frame: BTreeMap<FrameId, BTreeSet<&'w str>>,
-    heard: BTreeMap<&'w str, Heard<'w>>,
+    heard: BTreeMap<&'w str, Listener<'w>>,
 }
 
 /// The TF of one namespace of a recording.
-pub(crate) struct Heard<'w> {
+pub(crate) struct Listener<'w> {
     bag: &'w BagEvidence,
     edges: Vec<&'w TfEdge>,
     buffer: Buffer,
@@ -50,7 +50,7 @@ pub(crate) struct Failures {
 
 /// The look-ups of one topic.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Asked {
+pub(crate) struct TopicLookups {
     /// All of them.
     pub(crate) count: u64,
     /// Those before the first that succeeded; all where none did.
@@ -81,7 +81,7 @@ impl<'w> Listeners<'w> {
     }
 
     /// The TF that a topic's frame is part of: of several namespaces, the one whose name the topic shares most of.
-    pub(crate) fn of(&mut self, frame: &FrameId, topic: &str) -> Option<&Heard<'w>> {
+    pub(crate) fn of(&mut self, frame: &FrameId, topic: &str) -> Option<&Listener<'w>> {
         let shared = |namespace: &&&str| {
             let pairs = topic.bytes().zip(namespace.bytes());
             pairs.take_while(|(a, b)| a == b).count()
@@ -90,7 +90,7 @@ impl<'w> Listeners<'w> {
         let namespace = namespaces.iter().rev().max_by_key(shared).copied()?;
         let bag = self.bag;
         Some(self.heard.entry(namespace).or_insert_with(|| {
-            Heard {
+            Listener {
                 bag,
                 edges: bag
                     .tf
@@ -103,7 +103,7 @@ impl<'w> Listeners<'w> {
     }
 }
 
-impl<'w> Heard<'w> {
+impl<'w> Listener<'w> {
     /// The edges that end in a child, in the order of the evidence.
     pub(crate) fn edges_to(&self, child: &FrameId) -> impl Iterator<Item = &'w TfEdge> {
         self.edges
@@ -172,8 +172,8 @@ impl<'w> Heard<'w> {
     }
 
     /// Looks up every sampled stamp of a topic, and counts stamps that are older than a cache of `cache_s`.
-    pub(crate) fn ask(&self, target: &FrameId, frame: &FrameId, topic: &TopicEvidence, cache_s: f64) -> Asked {
-        let mut newest = Newest::default();
+    pub(crate) fn ask(&self, target: &FrameId, frame: &FrameId, topic: &TopicEvidence, cache_s: f64) -> TopicLookups {
+        let mut newest = NewestStamps::default();
         let mut answers: Vec<(i64, Option<(Culprit, bool)>)> = Vec::new();
         let (mut forgotten, mut oldest_s) = (0, 0.0_f64);
         // Only artificial trees are so deep; they must not take long.
@@ -199,7 +199,7 @@ impl<'w> Heard<'w> {
             .rposition(|answer| !fails(answer))
             .map_or(answers.len(), |last| last + 1);
         let part = |range: std::ops::Range<usize>| answers.get(range).unwrap_or_default();
-        Asked {
+        TopicLookups {
             count: answers.len() as u64,
             leading: failures(part(0..first_found)),
             trailing: failures(part(after_last..answers.len())),
@@ -240,11 +240,11 @@ fn failures(answers: &[(i64, Option<(Culprit, bool)>)]) -> Failures {
 
 /// The newest stamp of each moving edge by log time.
 #[derive(Default)]
-struct Newest {
+struct NewestStamps {
     of: BTreeMap<usize, Vec<(i64, i64)>>,
 }
 
-impl Newest {
+impl NewestStamps {
     /// The newest stamp that was logged for an edge of `bag.tf` at `log_ns`; `None` for static ones.
     fn at(&mut self, bag: &BagEvidence, number: usize, log_ns: i64) -> Option<i64> {
         let edge = bag.tf.get(number).filter(|edge| !edge.is_static)?;

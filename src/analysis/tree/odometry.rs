@@ -77,14 +77,14 @@ fn frames_of(topic: &TopicEvidence) -> Option<(FrameId, FrameId)> {
 }
 
 /// The limits up to which a step may be motion.
-pub(crate) struct Bound {
+pub(crate) struct StepBound {
     /// The largest speed, m/s.
     pub(crate) speed: f64,
     /// The largest angular speed, rad/s.
     turn: f64,
 }
 
-impl Bound {
+impl StepBound {
     /// The largest speeds that the streams report, or do not exceed in nine of ten steps.
     pub(crate) fn of(streams: &[Stream]) -> Self {
         let largest = |of: &dyn Fn(&Stream) -> Option<f64>| streams.iter().filter_map(of).fold(0.0, f64::max);

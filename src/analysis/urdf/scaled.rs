@@ -8,7 +8,7 @@ use crate::world::robot::{Link, Mesh, NumberList, Robot};
 
 /// A mesh of a robot with its scale in numbers.
 #[derive(Debug)]
-pub(crate) struct Scaled<'a> {
+pub(crate) struct ScaledMesh<'a> {
     /// Its link.
     pub link: &'a Link,
     /// The mesh.
@@ -17,7 +17,7 @@ pub(crate) struct Scaled<'a> {
     pub factors: [f64; 3],
 }
 
-impl Scaled<'_> {
+impl ScaledMesh<'_> {
     /// Whether the mesh is drawn as its mirror image.
     pub(crate) fn is_mirrored(&self) -> bool {
         self.factors.iter().product::<f64>() < 0.0
@@ -53,7 +53,7 @@ impl Scaled<'_> {
 }
 
 /// Every mesh of a robot whose scale can be read.
-pub(crate) fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
+pub(crate) fn scaled(robot: &Robot) -> Vec<ScaledMesh<'_>> {
     let meshes = robot
         .links
         .iter()
@@ -62,7 +62,7 @@ pub(crate) fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
         .filter_map(|(link, mesh)| {
             let scale = mesh.scale.as_ref().map_or(Some([1.0; 3]), NumberList::array::<3>)?;
             let finite = scale.iter().all(|factor| factor.is_finite());
-            finite.then_some(Scaled {
+            finite.then_some(ScaledMesh {
                 link,
                 mesh,
                 factors: scale,
@@ -73,7 +73,7 @@ pub(crate) fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
 
 /// Files that are used both plain and mirrored, as for the left and right limbs of many robots: mirrored on other links than
 /// plain, and together with other mirrored links. A single mirrored mesh is probably an error.
-pub(crate) fn mirrored_on_purpose<'a>(meshes: &[Scaled<'a>]) -> BTreeSet<&'a str> {
+pub(crate) fn mirrored_on_purpose<'a>(meshes: &[ScaledMesh<'a>]) -> BTreeSet<&'a str> {
     let mut by_file: BTreeMap<&str, [BTreeSet<&str>; 2]> = BTreeMap::new();
     for scaled in meshes {
         let file = scaled.mesh.filename.value.as_str();

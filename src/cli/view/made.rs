@@ -10,7 +10,7 @@ use crate::engine;
 use crate::files::{Draft, Outputs};
 use crate::report::rerun::{Sink, write};
 use crate::run::Run;
-use crate::view::{LeftOut, estimate, fit, scene};
+use crate::view::{Omission, estimate, fit, scene};
 
 /// Checks the inputs and shows the views. The exit code is that of reading.
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -21,8 +21,8 @@ pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surrou
             force: view.force,
             ..Outputs::default()
         },
-        verdicts: engine::Verdicts::One,
-        sights: engine::Sights::Everything,
+        verdicts: engine::VerdictScope::One,
+        sights: engine::Retention::Everything,
         ..view
             .input
             .reading
@@ -58,7 +58,7 @@ pub(in crate::cli) fn is_there() -> Result<(), Failure> {
 pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<String, Failure> {
     let mut scene = scene(run);
     let mut aim = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-    let (mut left_out, mut size) = (LeftOut::NOTHING, 0);
+    let (mut left_out, mut size) = (Omission::NOTHING, 0);
     let shown = file.display().to_string();
     let draft = Draft::of(file).map_err(|error| failed(&shown, &error.to_string()))?;
     let path = draft.path().unwrap_or(file);
@@ -67,7 +67,7 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
         left_out = left_out.and(more);
         write(&scene, &name(run), Sink::File(path)).map_err(|error| failed(&shown, &error))?;
         size = std::fs::metadata(path).map_or(0, |meta| meta.len());
-        if size <= max_bytes || round > 0 && more == LeftOut::NOTHING {
+        if size <= max_bytes || round > 0 && more == Omission::NOTHING {
             break;
         }
         // The file is larger than estimated: aim lower by the same factor, and a little more.
@@ -75,7 +75,7 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
         aim = (estimate(&scene) as f64 * share) as usize;
     }
     draft.keep().map_err(|error| failed(&shown, &error.to_string()))?;
-    let mut text = told(&shown, left_out);
+    let mut text = summary(&shown, left_out);
     if size > max_bytes {
         let _ = writeln!(
             text,
@@ -91,15 +91,15 @@ fn send(run: &Run, sink: Sink, words: &str, max_bytes: u64) -> Result<String, Fa
     let mut scene = scene(run);
     let left_out = fit(&mut scene, usize::try_from(max_bytes).unwrap_or(usize::MAX));
     write(&scene, &name(run), sink).map_err(|error| failed(words, &error))?;
-    Ok(told(words, left_out))
+    Ok(summary(words, left_out))
 }
 
 fn failed(words: &str, error: &str) -> Failure {
     Failure::Usage(format!("cannot write the views to {words}: {error}"))
 }
 
-fn told(words: &str, left_out: LeftOut) -> String {
-    let LeftOut {
+fn summary(words: &str, left_out: Omission) -> String {
+    let Omission {
         moments,
         points,
         meshes,

@@ -5,17 +5,17 @@ use crate::world::camera::{
     Calibration, CalibrationEvidence, CameraModel, ImageEvidence, ImageForm, MAX_CALIBRATIONS, MAX_FORMS,
 };
 
-use super::super::point::{On, Point};
+use super::super::point::{Point, PointOwner};
 
 /// The first different values of a topic, each with how often it came.
 #[derive(Debug)]
-pub(super) struct Different<T> {
+pub(super) struct DistinctValues<T> {
     most: usize,
     pub(super) kept: Vec<(Point, u64, T)>,
     pub(super) others: u64,
 }
 
-impl<T> Different<T> {
+impl<T> DistinctValues<T> {
     pub(super) fn new(most: usize) -> Self {
         Self {
             most,
@@ -43,18 +43,18 @@ impl<T> Different<T> {
 
 /// Takes in calibrations in recording order.
 #[derive(Debug)]
-pub(super) struct Calibrations(Different<CameraInfo<'static>>);
+pub(super) struct Calibrations(DistinctValues<CameraInfo<'static>>);
 
 impl Calibrations {
     pub(super) fn new() -> Self {
-        Self(Different::new(MAX_CALIBRATIONS))
+        Self(DistinctValues::new(MAX_CALIBRATIONS))
     }
 
     pub(super) fn push(&mut self, point: Point, info: &CameraInfo<'_>) {
         self.0.push(point, |kept| same(kept, info), || owned(info));
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> CalibrationEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> CalibrationEvidence {
         let count = self.0.count();
         let made = |(point, count, info): (Point, u64, CameraInfo<'static>)| Calibration {
             at: point.on(on),
@@ -98,11 +98,11 @@ fn owned(info: &CameraInfo<'_>) -> CameraInfo<'static> {
 
 /// Takes in images in recording order.
 #[derive(Debug)]
-pub(super) struct Images(Different<Image<'static>>);
+pub(super) struct Images(DistinctValues<Image<'static>>);
 
 impl Images {
     pub(super) fn new() -> Self {
-        Self(Different::new(MAX_FORMS))
+        Self(DistinctValues::new(MAX_FORMS))
     }
 
     pub(super) fn push(&mut self, point: Point, image: &Image<'_>) {
@@ -113,7 +113,7 @@ impl Images {
         self.0.push(point, |kept| kept == image, owned);
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> ImageEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> ImageEvidence {
         let count = self.0.count();
         let made = |(point, count, image): (Point, u64, Image<'static>)| ImageForm {
             at: point.on(on),

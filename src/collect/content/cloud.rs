@@ -9,19 +9,19 @@ use crate::world::cloud::{
     CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, PointField, PointTimes,
 };
 
-use super::super::point::{On, Point};
-use super::super::thin::Share;
+use super::super::point::{Point, PointOwner};
+use super::super::thin::SampleBudget;
 use super::slices::Slices;
 use super::times::time_of;
 
 /// A cloud that is kept.
-struct Kept {
+struct KeptCloud {
     point: Point,
-    sample: Sampled,
+    sample: CloudContent,
 }
 
 /// What is kept of a cloud, without its place.
-struct Sampled {
+struct CloudContent {
     size: [u32; 2],
     returns: u64,
     looked_at: u64,
@@ -32,7 +32,7 @@ struct Sampled {
 
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
-    share: Share,
+    share: SampleBudget,
     /// Names of time fields that the user adds; they take precedence over the known ones.
     time_fields: Arc<[String]>,
     count: u64,
@@ -41,14 +41,14 @@ pub(super) struct Clouds {
     cut: u64,
     first_cut: Option<Point>,
     /// Every `stride`-th cloud, the stride doubled where there is no more room.
-    kept: Vec<Kept>,
+    kept: Vec<KeptCloud>,
     stride: u64,
     farthest: Option<(Point, f64)>,
     slices: Slices,
 }
 
 impl Clouds {
-    pub(super) fn new(share: Share, time_fields: Arc<[String]>) -> Self {
+    pub(super) fn new(share: SampleBudget, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
             time_fields,
@@ -99,7 +99,7 @@ impl Clouds {
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
             self.farthest = Some((point, sample.farthest));
         }
-        self.kept.push(Kept { point, sample });
+        self.kept.push(KeptCloud { point, sample });
     }
 
     fn layout(&mut self, point: Point, cloud: &Cloud<'_>) {
@@ -126,16 +126,16 @@ impl Clouds {
         }
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> CloudEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> CloudEvidence {
         let layout = |(point, count, fields, is_bigendian): (Point, u64, Vec<PointField>, bool)| CloudLayout {
             at: point.on(on),
             count,
             fields,
             is_bigendian,
         };
-        let sample = |kept: Kept| {
+        let sample = |kept: KeptCloud| {
             let at: MessageRef = kept.point.on(on);
-            let Sampled {
+            let CloudContent {
                 size,
                 returns,
                 looked_at,
@@ -199,7 +199,7 @@ fn prime(from: u32) -> u32 {
 }
 
 /// What is kept of a cloud; `None` where its points have no coordinates.
-fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sampled> {
+fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<CloudContent> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields);
     let (row_step, column_step) = strides(cloud, most);
@@ -236,7 +236,7 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sam
             ..statistics(times)?
         })
     });
-    Some(Sampled {
+    Some(CloudContent {
         size: [cloud.height, cloud.width],
         returns: points.len() as u64,
         looked_at,
@@ -313,11 +313,11 @@ mod tests {
     }
 
     fn evidence<'c>(clouds: impl IntoIterator<Item = Cloud<'c>>) -> CloudEvidence {
-        let mut taken = Clouds::new(Share::of(0), Arc::from([]));
+        let mut taken = Clouds::new(SampleBudget::of(0), Arc::from([]));
         for (index, cloud) in (0..).zip(clouds) {
             taken.push(at(index), &cloud);
         }
-        taken.finish(On::from("/points"))
+        taken.finish(PointOwner::from("/points"))
     }
 
     #[test]

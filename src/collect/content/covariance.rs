@@ -6,8 +6,8 @@ use nalgebra::{SMatrix, SymmetricEigen};
 
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
 
-use super::super::point::{On, Point};
-use super::super::thin::{Share, Thinned};
+use super::super::point::{Point, PointOwner};
+use super::super::thin::{SampleBudget, ThinnedSeries};
 
 /// Takes in `N`×`N` matrices, `L = N²` numbers each, row-major.
 ///
@@ -19,23 +19,23 @@ pub(super) struct Covariances<const N: usize, const L: usize> {
     bound: usize,
     count: u64,
     /// The first different ones.
-    first: Vec<Kept<L>>,
-    later: Thinned<Kept<L>>,
+    first: Vec<KeptMatrix<L>>,
+    later: ThinnedSeries<KeptMatrix<L>>,
     /// The one that is being repeated, where it is not among the first.
-    current: Option<Kept<L>>,
+    current: Option<KeptMatrix<L>>,
     kind: Kind,
     last: Option<[f64; L]>,
     /// The index of the last one among the first.
     place: Option<usize>,
-    non_finite: (u64, Option<Kept<L>>),
+    non_finite: (u64, Option<KeptMatrix<L>>),
     all_zero: u64,
     minus_one: u64,
-    most_asymmetric: Option<(f64, Kept<L>)>,
-    least_positive: Option<(f64, Kept<L>)>,
+    most_asymmetric: Option<(f64, KeptMatrix<L>)>,
+    least_positive: Option<(f64, KeptMatrix<L>)>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Kept<const L: usize> {
+struct KeptMatrix<const L: usize> {
     point: Point,
     count: u64,
     hash: u64,
@@ -51,13 +51,13 @@ struct Kind {
 }
 
 impl<const N: usize, const L: usize> Covariances<N, L> {
-    pub(super) fn new(share: Share, may_be_absent: bool) -> Self {
+    pub(super) fn new(share: SampleBudget, may_be_absent: bool) -> Self {
         Self {
             may_be_absent,
             bound: share.matrices,
             count: 0,
             first: Vec::new(),
-            later: Thinned::new(2 * share.matrices),
+            later: ThinnedSeries::new(2 * share.matrices),
             current: None,
             kind: Kind::default(),
             last: None,
@@ -75,7 +75,7 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         self.count += 1;
         if self.last.as_ref().is_none_or(|last| !same(last, values)) {
             self.last = Some(*values);
-            self.change(Kept {
+            self.change(KeptMatrix {
                 point,
                 count: 0,
                 hash: hash(values),
@@ -95,11 +95,11 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
     }
 
     /// Another matrix than the one before.
-    fn change(&mut self, kept: Kept<L>) {
+    fn change(&mut self, kept: KeptMatrix<L>) {
         if let Some(current) = self.current.take() {
             self.later.push(current);
         }
-        let known = |known: &Kept<L>| known.hash == kept.hash && same(&known.values, &kept.values);
+        let known = |known: &KeptMatrix<L>| known.hash == kept.hash && same(&known.values, &kept.values);
         self.place = self.first.iter().position(known);
         let was_known = self.place.is_some();
         if !was_known && self.first.len() < self.bound {
@@ -120,7 +120,7 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         }
     }
 
-    fn look_at(&mut self, kept: Kept<L>) {
+    fn look_at(&mut self, kept: KeptMatrix<L>) {
         if !self.kind.is_finite {
             self.non_finite.1.get_or_insert(kept);
             return;
@@ -144,7 +144,7 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         }
         let symmetric = matrix.symmetric_part();
         // A matrix that is positive definite after subtracting the least known eigenvalue has no smaller one.
-        let can_be_less = |(known, _): &(f64, Kept<L>)| {
+        let can_be_less = |(known, _): &(f64, KeptMatrix<L>)| {
             (symmetric - SMatrix::<f64, N, N>::identity() * *known)
                 .cholesky()
                 .is_none()
@@ -157,11 +157,11 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         }
     }
 
-    pub(super) fn finish(mut self, on: On<'_>) -> CovarianceEvidence {
+    pub(super) fn finish(mut self, on: PointOwner<'_>) -> CovarianceEvidence {
         if let Some(current) = self.current.take() {
             self.later.push(current);
         }
-        let at = |kept: Kept<L>| CovarianceAt {
+        let at = |kept: KeptMatrix<L>| CovarianceAt {
             at: kept.point.on(on),
             count: kept.count.max(1),
             values: kept.values.to_vec(),

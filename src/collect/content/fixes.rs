@@ -3,22 +3,22 @@
 use crate::read::messages::content::Fix;
 use crate::world::content::{FixAt, FixEvidence};
 
-use super::super::point::{On, Point};
-use super::super::thin::{Share, Thinned};
+use super::super::point::{Point, PointOwner};
+use super::super::thin::{SampleBudget, ThinnedSeries};
 
 /// Takes in fixes in recording order.
 pub(super) struct Fixes {
     bound: usize,
     count: u64,
     no_fix: u64,
-    samples: Thinned<Kept>,
-    non_finite: Counted,
-    out_of_range: Counted,
-    null_island: Counted,
+    samples: ThinnedSeries<KeptFix>,
+    non_finite: FixExamples,
+    out_of_range: FixExamples,
+    null_island: FixExamples,
 }
 
 #[derive(Clone, Copy)]
-struct Kept {
+struct KeptFix {
     point: Point,
     latitude_deg: f64,
     longitude_deg: f64,
@@ -28,24 +28,24 @@ struct Kept {
 
 /// A count and the first few.
 #[derive(Default)]
-struct Counted(u64, Vec<Kept>);
+struct FixExamples(u64, Vec<KeptFix>);
 
 impl Fixes {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: SampleBudget) -> Self {
         Self {
             bound: share.examples,
             count: 0,
             no_fix: 0,
-            samples: Thinned::new(share.poses),
-            non_finite: Counted::default(),
-            out_of_range: Counted::default(),
-            null_island: Counted::default(),
+            samples: ThinnedSeries::new(share.poses),
+            non_finite: FixExamples::default(),
+            out_of_range: FixExamples::default(),
+            null_island: FixExamples::default(),
         }
     }
 
     pub(super) fn push(&mut self, point: Point, fix: &Fix) {
         self.count += 1;
-        let kept = Kept {
+        let kept = KeptFix {
             point,
             latitude_deg: fix.latitude,
             longitude_deg: fix.longitude,
@@ -73,15 +73,15 @@ impl Fixes {
         }
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> FixEvidence {
-        let at = |kept: Kept| FixAt {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> FixEvidence {
+        let at = |kept: KeptFix| FixAt {
             at: kept.point.on(on),
             latitude_deg: kept.latitude_deg,
             longitude_deg: kept.longitude_deg,
             altitude_m: kept.altitude_m,
             status: kept.status,
         };
-        let counted = |counted: Counted| (counted.0, counted.1.into_iter().map(at).collect());
+        let counted = |counted: FixExamples| (counted.0, counted.1.into_iter().map(at).collect());
         FixEvidence {
             count: self.count,
             no_fix: self.no_fix,

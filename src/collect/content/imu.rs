@@ -3,7 +3,7 @@
 use crate::read::messages::content::Imu;
 use crate::world::content::ImuEvidence;
 
-use super::super::point::{On, Point};
+use super::super::point::{Point, PointOwner};
 
 /// The rotation between messages further apart than this is unknown, nanoseconds.
 const LONGEST_STEP_NS: i64 = 1_000_000_000;
@@ -53,7 +53,7 @@ impl Inertial {
         }
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> ImuEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> ImuEvidence {
         let (sum, count) = self.squares;
         ImuEvidence {
             count: self.count,

@@ -6,8 +6,8 @@ use crate::read::messages::content::{LaserScan, Pose};
 use crate::world::cloud::{CloudEvidence, CloudSlice, RUN_CLOUDS, SLICE_BINS};
 use crate::world::laser::{LaserEvidence, LaserScanAt, MAX_SCANS};
 
-use super::super::point::{On, Point};
-use super::super::thin::{Share, Thinned};
+use super::super::point::{Point, PointOwner};
+use super::super::thin::{SampleBudget, ThinnedSeries};
 use super::runs::Runs;
 
 /// Cosine of the angle from which on the plane of a scan is no longer that of its frame's x and y.
@@ -21,18 +21,18 @@ const RUN_SCANS: usize = 2 * RUN_CLOUDS;
 pub(super) struct Lasers {
     first: Point,
     count: u64,
-    scans: Thinned<LaserScanAt>,
+    scans: ThinnedSeries<LaserScanAt>,
     runs: Runs<CloudSlice>,
     /// Log time of the last scan of a run.
     last_ns: Option<i64>,
 }
 
 impl Lasers {
-    pub(super) fn new(share: Share, first: Point) -> Self {
+    pub(super) fn new(share: SampleBudget, first: Point) -> Self {
         Self {
             first,
             count: 0,
-            scans: Thinned::new(MAX_SCANS.min(share.stamps)),
+            scans: ThinnedSeries::new(MAX_SCANS.min(share.stamps)),
             runs: Runs::new(share.runs / 2, RUN_SCANS),
             last_ns: None,
         }
@@ -73,7 +73,7 @@ impl Lasers {
         });
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> LaserEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> LaserEvidence {
         LaserEvidence {
             count: self.count,
             first: self.first.on(on),
@@ -113,8 +113,8 @@ fn projected(scan: &LaserScan) -> (Vec<[f64; 3]>, Vec<f64>) {
     let (points, after): (Vec<[f64; 3]>, Vec<f64>) = points
         .filter(|(point, _): &([f64; 3], f64)| point.iter().all(|value| value.is_finite()))
         .unzip();
-    let is_told = scan.time_increment > 0.0 && after.iter().all(|after| after.is_finite());
-    (points, if is_told { after } else { Vec::new() })
+    let has_times = scan.time_increment > 0.0 && after.iter().all(|after| after.is_finite());
+    (points, if has_times { after } else { Vec::new() })
 }
 
 fn identity() -> (UnitQuaternion<f64>, Vector3<f64>) {

@@ -24,9 +24,9 @@ use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::radar::Columns;
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
-use super::point::{On, Point};
-use super::series::Room;
-use super::thin::Share;
+use super::point::{Point, PointOwner};
+use super::series::RowBudget;
+use super::thin::SampleBudget;
 use camera::{Calibrations, Images};
 use cloud::Clouds;
 use covariance::Covariances;
@@ -39,19 +39,19 @@ use odometry::Odometries;
 use radar::Radars;
 
 /// Poses and twists have six degrees of freedom, positions and vectors three.
-type Six = Covariances<6, 36>;
-type Three = Covariances<3, 9>;
+type SixDof = Covariances<6, 36>;
+type ThreeDof = Covariances<3, 9>;
 
 /// The content of one topic; nothing is allocated for the rest.
 pub(super) struct Contents {
-    share: Share,
+    share: SampleBudget,
     /// Fields that hold the times of points, in addition to the known ones.
     time_fields: Arc<[String]>,
     fixes: Option<Box<Fixes>>,
     imu: Option<Box<Inertial>>,
     odometry: Option<Box<Odometries>>,
-    six: BTreeMap<&'static str, Box<Six>>,
-    three: BTreeMap<&'static str, Box<Three>>,
+    six: BTreeMap<&'static str, Box<SixDof>>,
+    three: BTreeMap<&'static str, Box<ThreeDof>>,
     calibrations: Option<Box<Calibrations>>,
     images: Option<Box<Images>>,
     clouds: Option<Box<Clouds>>,
@@ -62,7 +62,7 @@ pub(super) struct Contents {
 }
 
 impl Contents {
-    pub(super) fn new(share: Share, room: Room, time_fields: Arc<[String]>) -> Self {
+    pub(super) fn new(share: SampleBudget, room: RowBudget, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
             time_fields,
@@ -217,7 +217,7 @@ impl Contents {
             .push(point, values);
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> ContentEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> ContentEvidence {
         let six = self
             .six
             .into_iter()

@@ -6,7 +6,7 @@ use crate::world::motion::{
 };
 
 use super::super::point::Point;
-use super::super::series::{Room, Rows, Sample};
+use super::super::series::{RowBudget, Rows, Sample};
 use super::path::Path;
 use super::poses::{joined, pose_row};
 
@@ -15,28 +15,28 @@ const MOST_READ: f64 = 1e6;
 
 /// What one topic states of motion; nothing is allocated for the rest.
 pub(super) struct Motion {
-    room: Room,
+    room: RowBudget,
     /// Orientation, angular velocity, acceleration.
-    inertial: Lazy<10, 0>,
+    inertial: LazyRows<10, 0>,
     /// Position, orientation, velocity, angular velocity.
-    odometry: Lazy<13, 3>,
-    poses: Lazy<7, 3>,
+    odometry: LazyRows<13, 3>,
+    poses: LazyRows<7, 3>,
     path: Option<Box<Path>>,
     /// Velocity, angular velocity.
-    twists: Lazy<6, 6>,
+    twists: LazyRows<6, 6>,
     /// Latitude, longitude, altitude, three variances, status.
-    fixes: Lazy<7, 7>,
-    orientations: Lazy<4, 0>,
-    vectors: Lazy<3, 3>,
+    fixes: LazyRows<7, 7>,
+    orientations: LazyRows<4, 0>,
+    vectors: LazyRows<3, 3>,
     /// In the order of [`NmeaRow`].
-    nmea: Lazy<11, 11>,
+    nmea: LazyRows<11, 11>,
 }
 
 /// Rows for which nothing is allocated before the first.
-struct Lazy<const N: usize, const Q: usize>(Option<Box<Rows<N, Q>>>);
+struct LazyRows<const N: usize, const Q: usize>(Option<Box<Rows<N, Q>>>);
 
-impl<const N: usize, const Q: usize> Lazy<N, Q> {
-    fn push(&mut self, room: Room, point: Point, parts: &[&[f64]]) {
+impl<const N: usize, const Q: usize> LazyRows<N, Q> {
+    fn push(&mut self, room: RowBudget, point: Point, parts: &[&[f64]]) {
         let rows = self.0.get_or_insert_with(|| Box::new(Rows::new(room)));
         rows.push(point, joined(parts));
     }
@@ -53,18 +53,18 @@ impl<const N: usize, const Q: usize> Lazy<N, Q> {
 }
 
 impl Motion {
-    pub(super) fn new(room: Room) -> Self {
+    pub(super) fn new(room: RowBudget) -> Self {
         Self {
             room,
-            inertial: Lazy(None),
-            odometry: Lazy(None),
-            poses: Lazy(None),
+            inertial: LazyRows(None),
+            odometry: LazyRows(None),
+            poses: LazyRows(None),
             path: None,
-            twists: Lazy(None),
-            fixes: Lazy(None),
-            orientations: Lazy(None),
-            vectors: Lazy(None),
-            nmea: Lazy(None),
+            twists: LazyRows(None),
+            fixes: LazyRows(None),
+            orientations: LazyRows(None),
+            vectors: LazyRows(None),
+            nmea: LazyRows(None),
         }
     }
 

@@ -4,22 +4,22 @@ use crate::read::messages::content::Odometry;
 use crate::world::Pose;
 use crate::world::content::{OdometryEvidence, PoseAt};
 
-use super::super::point::{On, Point};
-use super::super::thin::{Share, Thinned};
+use super::super::point::{Point, PointOwner};
+use super::super::thin::{SampleBudget, ThinnedSeries};
 use super::steps::Steps;
 
 /// Takes in odometry in recording order.
 pub(super) struct Odometries {
-    samples: Thinned<(Point, Pose)>,
+    samples: ThinnedSeries<(Point, Pose)>,
     steps: Steps,
     largest_speed_m_s: f64,
     largest_turn_rad_s: f64,
 }
 
 impl Odometries {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: SampleBudget) -> Self {
         Self {
-            samples: Thinned::new(share.poses),
+            samples: ThinnedSeries::new(share.poses),
             steps: Steps::new(share),
             largest_speed_m_s: f64::NAN,
             largest_turn_rad_s: f64::NAN,
@@ -40,7 +40,7 @@ impl Odometries {
         enlarge(&mut self.largest_turn_rad_s, odometry.angular);
     }
 
-    pub(super) fn finish(self, on: On<'_>) -> OdometryEvidence {
+    pub(super) fn finish(self, on: PointOwner<'_>) -> OdometryEvidence {
         let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         OdometryEvidence {
             samples: self.samples.finish().into_iter().map(at).collect(),

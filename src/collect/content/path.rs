@@ -6,7 +6,7 @@ use crate::read::messages::content::Pose;
 use crate::world::motion::{PoseRow, Series};
 
 use super::super::point::Point;
-use super::super::series::Room;
+use super::super::series::RowBudget;
 use super::poses::{Poses, finish_poses, joined};
 
 /// How far the last pose may be ahead of the message, nanoseconds: clocks of two programs on one computer agree better.
@@ -17,18 +17,18 @@ const MAX_AHEAD_NS: i64 = 1_000_000_000;
 /// A message that goes back to where the rows begin replaces them: it holds the whole track again, as corrected since.
 /// Of one that begins later (the last hundred poses, or what is new) only what is newer than the rows is added.
 pub(super) struct Path {
-    room: Room,
-    kept: Option<Kept>,
+    room: RowBudget,
+    kept: Option<KeptPath>,
 }
 
-struct Kept {
+struct KeptPath {
     rows: Poses,
     first_ns: i64,
     last_ns: i64,
 }
 
 impl Path {
-    pub(super) fn new(room: Room) -> Self {
+    pub(super) fn new(room: RowBudget) -> Self {
         Self { room, kept: None }
     }
 
@@ -45,7 +45,7 @@ impl Path {
         }
         let kept = match self.kept.as_mut() {
             Some(kept) if kept.first_ns < *first_ns => kept,
-            _ => self.kept.insert(Kept {
+            _ => self.kept.insert(KeptPath {
                 rows: Poses::new(self.room),
                 first_ns: *first_ns,
                 last_ns: i64::MIN,
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_path_that_grows_is_kept_once_as_it_was_told_last() {
-        let mut path = Path::new(Room::of(0));
+        let mut path = Path::new(RowBudget::of(0));
         sent(&mut path, 2, &[(1, 10.0), (2, 20.0)]);
         sent(&mut path, 3, &[(1, 11.0), (2, 21.0), (3, 31.0)]);
         assert_eq!(rows(path), [(1, 101, 11.0), (2, 102, 21.0), (3, 103, 31.0)]);
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn of_a_path_that_forgets_only_what_is_new_is_added() {
-        let mut path = Path::new(Room::of(0));
+        let mut path = Path::new(RowBudget::of(0));
         sent(&mut path, 2, &[(1, 10.0), (2, 20.0)]);
         sent(&mut path, 3, &[(2, 21.0), (3, 31.0)]);
         assert_eq!(rows(path), [(1, 101, 10.0), (2, 102, 20.0), (3, 103, 31.0)]);
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_plan_is_no_way() {
-        let mut path = Path::new(Room::of(0));
+        let mut path = Path::new(RowBudget::of(0));
         sent(&mut path, 5, &[(5, 10.0), (5, 20.0)]);
         sent(&mut path, 5, &[(0, 10.0), (0, 20.0)]);
         sent(&mut path, 5, &[(5, 10.0), (9, 20.0)]);

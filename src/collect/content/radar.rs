@@ -4,8 +4,8 @@ use crate::read::messages::cloud::Cloud;
 use crate::read::messages::radar::{Columns, Echo, Form, Radar, Speed, Speeds};
 use crate::world::radar::{RUN_SWEEPS, RadarEvidence, RadarForm, RadarSweep, SWEEP_ECHOES, SpeedForm};
 
-use super::super::point::{On, Point};
-use super::super::thin::Share;
+use super::super::point::{Point, PointOwner};
+use super::super::thin::SampleBudget;
 use super::runs::Runs;
 
 /// Detections that come one a message belong to one scan as long as they are not farther apart than this, nanoseconds: a scan
@@ -18,7 +18,7 @@ const MOST: usize = 1024;
 pub(super) struct Radars {
     first: Point,
     /// The frame of the detections, the name of their speeds, and what these are.
-    told: Option<(RadarForm, String, SpeedForm)>,
+    layout: Option<(RadarForm, String, SpeedForm)>,
     count: u64,
     looked_at: u64,
     broken: u64,
@@ -29,10 +29,10 @@ pub(super) struct Radars {
 }
 
 impl Radars {
-    pub(super) fn new(share: Share, first: Point) -> Self {
+    pub(super) fn new(share: SampleBudget, first: Point) -> Self {
         Self {
             first,
-            told: None,
+            layout: None,
             count: 0,
             looked_at: 0,
             broken: 0,
@@ -55,7 +55,7 @@ impl Radars {
             Form::Single(_) => RadarForm::Single,
             Form::Cloud => RadarForm::Cloud,
         };
-        self.tell(form, &radar.field, radar.speeds);
+        self.set_layout(form, &radar.field, radar.speeds);
         match radar.form {
             Form::Single(id) => self.single(point, id, &radar.echoes),
             _ => self.sweep(point, radar.total, &radar.echoes),
@@ -64,7 +64,7 @@ impl Radars {
 
     /// Takes in the points of a cloud.
     pub(super) fn cloud(&mut self, point: Point, cloud: &Cloud<'_>, columns: &Columns) {
-        self.tell(RadarForm::Cloud, &columns.field, columns.speeds);
+        self.set_layout(RadarForm::Cloud, &columns.field, columns.speeds);
         let total = cloud.points();
         let every = total.div_ceil(SWEEP_ECHOES as u64).max(1);
         let mut echoes = Vec::new();
@@ -84,8 +84,8 @@ impl Radars {
         self.sweep(point, u32::try_from(total).unwrap_or(u32::MAX), &echoes);
     }
 
-    fn tell(&mut self, form: RadarForm, field: &str, speeds: Speeds) {
-        self.told.get_or_insert_with(|| {
+    fn set_layout(&mut self, form: RadarForm, field: &str, speeds: Speeds) {
+        self.layout.get_or_insert_with(|| {
             let speeds = match speeds {
                 Speeds::Radial => SpeedForm::Radial,
                 Speeds::Plain => SpeedForm::Plain,
@@ -142,9 +142,9 @@ impl Radars {
     }
 
     /// `None` where nothing came.
-    pub(super) fn finish(mut self, on: On<'_>) -> Option<RadarEvidence> {
+    pub(super) fn finish(mut self, on: PointOwner<'_>) -> Option<RadarEvidence> {
         self.close();
-        let (form, field, speeds) = self.told?;
+        let (form, field, speeds) = self.layout?;
         Some(RadarEvidence {
             count: self.count,
             first: self.first.on(on),
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn components_count_along_the_line_of_sight_and_what_is_no_number_is_counted() {
-        let mut radars = Radars::new(Share::of(0), at(0, 0));
+        let mut radars = Radars::new(SampleBudget::of(0), at(0, 0));
         let echoes = [
             echo([3.0, 4.0, 0.0], Speed::Components([-5.0, 10.0, 0.0])),
             echo([3.0, 4.0, 0.0], Speed::Radial(f64::NAN)),
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn detections_that_come_one_by_one_are_put_together_by_number_and_time() {
-        let mut radars = Radars::new(Share::of(0), at(0, 0));
+        let mut radars = Radars::new(SampleBudget::of(0), at(0, 0));
         let one = echo([5.0, 0.0, 0.0], Speed::Radial(-1.0));
         let ids = [(0, 0), (1, 1), (2, 2), (0, 50), (1, 51), (2, 200), (3, 201), (3, 202)];
         for (index, (id, ms)) in ids.into_iter().enumerate() {
@@ -230,7 +230,7 @@ mod tests {
         let sizes: Vec<usize> = seen.runs.iter().flatten().map(|sweep| sweep.echoes.len()).collect();
         assert_eq!(sizes, [3, 2, 2, 1]);
         // A seam drops the scan that is cut by it.
-        let mut radars = Radars::new(Share::of(0), at(0, 0));
+        let mut radars = Radars::new(SampleBudget::of(0), at(0, 0));
         radars.push(at(0, 0), &radar(Form::Single(None), &[one]));
         radars.seam();
         radars.push(at(9, 900), &radar(Form::Single(None), &[one]));
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn large_scans_are_thinned_evenly() {
-        let mut radars = Radars::new(Share::of(0), at(0, 0));
+        let mut radars = Radars::new(SampleBudget::of(0), at(0, 0));
         let echoes: Vec<Echo> = (1..=1000)
             .map(|x| echo([f64::from(x), 0.0, 0.0], Speed::Radial(0.0)))
             .collect();

@@ -40,7 +40,7 @@ impl Slices {
 }
 
 /// A point near the plane: its distance squared, its coordinates, and its time as published.
-type Near = (f64, [f64; 3], f64);
+type PlanePoint = (f64, [f64; 3], f64);
 
 /// The nearest points of a cloud in each direction, and their times, NaN where they have none; `None` where its points have
 /// no coordinates.
@@ -48,7 +48,7 @@ fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Ve
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields).map(|(_, column)| column);
     // Those below, and those above.
-    let mut nearest = vec![[None::<Near>; 2]; SLICE_BINS as usize];
+    let mut nearest = vec![[None::<PlanePoint>; 2]; SLICE_BINS as usize];
     for row in 0..cloud.rows() {
         for column in 0..cloud.width {
             let Some(bytes) = cloud.point(row, column) else { break };

@@ -7,8 +7,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::world::Pose;
 use crate::world::content::{PoseAt, Step, StepAt, StepEvidence};
 
-use super::super::point::{On, Point};
-use super::super::thin::{Reservoir, Share};
+use super::super::point::{Point, PointOwner};
+use super::super::thin::{Reservoir, SampleBudget};
 
 /// A step by more than this moves, metres and radians.
 const MOVES: f64 = 1e-9;
@@ -24,22 +24,22 @@ const RESTART_NS: i64 = 1_000_000_000;
 /// Takes in poses in recording order.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Steps {
-    last: Option<Known>,
+    last: Option<KnownPose>,
     /// The step that led to the last pose.
-    before: Option<Before>,
+    before: Option<PriorStep>,
     count: u64,
     moving: u64,
     sample: Reservoir<Step>,
-    farthest: Top,
-    widest: Top,
-    most_surprising: Top,
+    farthest: LargestSteps,
+    widest: LargestSteps,
+    most_surprising: LargestSteps,
     undone: u64,
-    first_undone: Option<Between>,
+    first_undone: Option<StepEnds>,
 }
 
 /// A pose taken in.
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct KnownPose {
     point: Point,
     stamp_ns: i64,
     pose: Pose,
@@ -47,7 +47,7 @@ struct Known {
     rotation: UnitQuaternion<f64>,
 }
 
-impl Known {
+impl KnownPose {
     fn position(&self) -> Vector3<f64> {
         Vector3::from(self.pose.translation_m)
     }
@@ -55,30 +55,30 @@ impl Known {
 
 /// A step taken, and the pose it started from.
 #[derive(Clone, Copy, Debug)]
-struct Before {
-    from: Known,
+struct PriorStep {
+    from: KnownPose,
     step: Step,
 }
 
 /// A step with its ends.
 #[derive(Clone, Copy, Debug)]
-struct Between {
+struct StepEnds {
     step: Step,
     before: (Point, Pose),
     after: (Point, Pose),
 }
 
 impl Steps {
-    pub(in super::super) fn new(share: Share) -> Self {
+    pub(in super::super) fn new(share: SampleBudget) -> Self {
         Self {
             last: None,
             before: None,
             count: 0,
             moving: 0,
             sample: Reservoir::new(share.moves),
-            farthest: Top::new(share.largest),
-            widest: Top::new(share.largest),
-            most_surprising: Top::new(share.largest),
+            farthest: LargestSteps::new(share.largest),
+            widest: LargestSteps::new(share.largest),
+            most_surprising: LargestSteps::new(share.largest),
             undone: 0,
             first_undone: None,
         }
@@ -96,7 +96,7 @@ impl Steps {
             return;
         };
         let [x, y, z, w] = pose.rotation_xyzw;
-        let now = Known {
+        let now = KnownPose {
             point,
             stamp_ns,
             pose,
@@ -117,7 +117,7 @@ impl Steps {
         self.step(last, now, dt_ns);
     }
 
-    fn step(&mut self, last: Known, now: Known, dt_ns: i64) {
+    fn step(&mut self, last: KnownPose, now: KnownPose, dt_ns: i64) {
         let rests = last.pose == now.pose;
         let (distance_m, angle_rad) = if rests {
             (0.0, 0.0)
@@ -138,7 +138,7 @@ impl Steps {
         self.count += 1;
         self.moving += u64::from(distance_m > MOVES || angle_rad > MOVES);
         self.sample.push(step);
-        let between = Between {
+        let between = StepEnds {
             step,
             before: (last.point, last.pose),
             after: (now.point, now.pose),
@@ -148,19 +148,19 @@ impl Steps {
         self.most_surprising.push(surprise_m, &between);
         if let Some(before) = self.before.filter(|before| is_undone(before, &now)) {
             self.undone += 1;
-            self.first_undone.get_or_insert(Between {
+            self.first_undone.get_or_insert(StepEnds {
                 step: before.step,
                 before: (before.from.point, before.from.pose),
                 after: (last.point, last.pose),
             });
         }
-        self.before = Some(Before { from: last, step });
+        self.before = Some(PriorStep { from: last, step });
         self.last = Some(now);
     }
 
     /// How far the pose is from where the velocity and the angular velocity of the step before would have led it.
-    fn surprise(&self, last: &Known, now: &Known, dt_ns: i64) -> (f64, f64) {
-        let Some(Before { from, step }) = self.before else {
+    fn surprise(&self, last: &KnownPose, now: &KnownPose, dt_ns: i64) -> (f64, f64) {
+        let Some(PriorStep { from, step }) = self.before else {
             return (f64::NAN, f64::NAN);
         };
         let share = dt_ns as f64 / step.dt_ns as f64;
@@ -177,7 +177,7 @@ impl Steps {
         )
     }
 
-    pub(in super::super) fn finish(self, on: On<'_>) -> StepEvidence {
+    pub(in super::super) fn finish(self, on: PointOwner<'_>) -> StepEvidence {
         StepEvidence {
             count: self.count,
             moving: self.moving,
@@ -204,15 +204,15 @@ fn angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
 
 /// Whether a pose is back where the step before the last started from: at most a fifth of its distance, or of its angle,
 /// remains.
-fn is_undone(before: &Before, now: &Known) -> bool {
-    let Before { from, step } = before;
+fn is_undone(before: &PriorStep, now: &KnownPose) -> bool {
+    let PriorStep { from, step } = before;
     let shifted = || step.distance_m > LARGE_M && length(now.position() - from.position()) <= LEFT * step.distance_m;
     let turned = || step.angle_rad > LARGE_RAD && angle_between(&from.rotation, &now.rotation) <= LEFT * step.angle_rad;
     shifted() || turned()
 }
 
-impl Between {
-    fn on(self, on: On<'_>) -> StepAt {
+impl StepEnds {
+    fn on(self, on: PointOwner<'_>) -> StepAt {
         let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         StepAt {
             step: self.step,
@@ -224,12 +224,12 @@ impl Between {
 
 /// The steps with the largest keys, the largest first; of equal ones the earlier.
 #[derive(Clone, Debug)]
-struct Top {
+struct LargestSteps {
     bound: usize,
-    kept: Vec<(f64, Between)>,
+    kept: Vec<(f64, StepEnds)>,
 }
 
-impl Top {
+impl LargestSteps {
     fn new(bound: usize) -> Self {
         Self {
             bound,
@@ -237,7 +237,7 @@ impl Top {
         }
     }
 
-    fn push(&mut self, key: f64, between: &Between) {
+    fn push(&mut self, key: f64, between: &StepEnds) {
         // A NaN is larger than no step.
         let is_larger = |known: f64| key > known;
         if !is_larger(MOVES) {
@@ -256,7 +256,7 @@ impl Top {
         self.kept.insert(place, (key, *between));
     }
 
-    fn finish(self, on: On<'_>) -> Vec<StepAt> {
+    fn finish(self, on: PointOwner<'_>) -> Vec<StepAt> {
         self.kept.into_iter().map(|(_, between)| between.on(on)).collect()
     }
 }

@@ -9,9 +9,9 @@ use crate::source::Place;
 use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, Facts, FrameUse, LocalOrigin, World};
 
-use super::Room;
+use super::JudgeContext;
 
-impl Room<'_> {
+impl JudgeContext<'_> {
     /// The first values of latched transforms, positions of Earth-fixed frames and origins of maps, by the recordings' indices.
     pub(super) fn compared(&self, world: &World) -> Vec<(usize, Facts)> {
         let settings = &self.setup.governed.at(self.setup.governed.of(world)).choice.settings;

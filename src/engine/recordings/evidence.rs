@@ -7,22 +7,22 @@ use crate::source::SourceId;
 use crate::verdict::Verdict;
 use crate::world::World;
 
-use super::super::evidence::Saved;
+use super::super::evidence::SavedEvidence;
 use super::super::gather::source_id;
-use super::super::{Renumber, furnished, sessions};
-use super::whole::Whole;
-use super::{Room, name};
+use super::super::{IdShift, furnished, sessions};
+use super::whole::RunBuilder;
+use super::{JudgeContext, name};
 
 /// An evidence document: recordings that were read elsewhere.
-pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
-    let Saved {
+pub(super) fn judge(context: &JudgeContext, saved: SavedEvidence, whole: &mut RunBuilder) {
+    let SavedEvidence {
         worlds,
         sources,
         skipped,
         governed,
-    } = furnished(room.setup, saved);
+    } = furnished(context.setup, saved);
     let before = whole.run.sources.len();
-    let renumber = Renumber::behind(0, before);
+    let renumber = IdShift::behind(0, before);
     let sessions = sessions::of_worlds(&worlds, &sources);
     let mut own = sources.to_vec();
     for (number, source) in own.iter_mut().enumerate() {
@@ -32,10 +32,10 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     renumber.all(&mut own, &mut Verdict::default());
     whole.run.sources.extend(own);
     let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
-    whole.tell((before..whole.run.sources.len()).collect(), rows, findings, None);
+    whole.notify((before..whole.run.sources.len()).collect(), rows, findings, None);
     whole.run.skip(skipped);
     let judged = |worlds: &[World]| -> Vec<_> {
-        let judged = worlds.iter().map(|world| room.setup.judge_as(governed, world, true));
+        let judged = worlds.iter().map(|world| context.setup.judge_as(governed, world, true));
         judged.collect()
     };
     let drives = &sessions.drives;
@@ -58,7 +58,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
         let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
         let label = name(recordings, &mut parts, &sources);
         let verdicts = judged(&parts);
-        let mut drive = room.drive(label, recordings, (parts, &[]), verdicts);
+        let mut drive = context.drive(label, recordings, (parts, &[]), verdicts);
         for id in &mut drive.recording.sources {
             *id = source_id(id.0 as usize + before);
         }
@@ -66,12 +66,12 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     }
     let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
     let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
-    whole.run.seen.extend(room.setup.seen(&rest));
-    let compared = room.compare(&worlds, drives, whole, |_| governed);
+    whole.run.seen.extend(context.setup.seen(&rest));
+    let compared = context.compare(&worlds, drives, whole, |_| governed);
     for (mut verdicts, labels) in [(judged(&rest), rest_labels), compared] {
         for (_, verdict) in &mut verdicts {
             renumber.all(&mut [], verdict);
         }
-        whole.lay(verdicts, &labels, room.policy);
+        whole.apply_policy(verdicts, &labels, context.policy);
     }
 }

@@ -13,7 +13,7 @@ use crate::world::bag::TfEdge;
 type Start = (Option<i64>, SourceId);
 
 /// The values that are kept, each with the recordings for which it is kept.
-pub(super) struct Latched<'a> {
+pub(super) struct LatchedValues<'a> {
     inputs: &'a Inputs,
     kept: BTreeMap<Key<'a>, Vec<Start>>,
     /// The number of drives in each folder, if platforms are folders because no file says what belongs together.
@@ -26,7 +26,7 @@ type Folder<'a> = (usize, &'a Path);
 /// The platform (the files that belong to it, or the folder if there are none), the edge, and the bits of its value.
 type Key<'a> = (usize, Vec<SourceId>, Option<&'a Path>, [String; 3], Vec<u64>);
 
-impl<'a> Latched<'a> {
+impl<'a> LatchedValues<'a> {
     /// For these drives, with nothing kept yet. `are_files`: whether files other than recordings were read.
     pub(super) fn of(inputs: &'a Inputs, drives: &[Vec<usize>], are_files: bool) -> Self {
         let mut latched = Self {

@@ -11,41 +11,42 @@ mod whole;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::policy::Laid;
+use crate::policy::AppliedPolicy;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
 use crate::rules::Kind;
-use crate::run::{Grown, Recording, Run};
+use crate::run::{Recording, Run, RunUpdate};
 use crate::source::{Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Finding, Outcome, Row, Verdict};
 use crate::world::{Facts, World};
 
-use super::evidence::Saved;
+use super::evidence::SavedEvidence;
 use super::gather::source_id;
 use super::sessions::Sessions;
 use super::{
-    Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, parallel, sampling,
+    Declarations, IdShift, Member, Platforms, ReadContext, RequirementContext, RunPolicy, Setup, UsageError, judge,
+    parallel, sampling,
 };
-use latched::Latched;
-use whole::Whole;
+use latched::LatchedValues;
+use whole::RunBuilder;
 
 /// Several recordings, each with its verdict.
 pub(super) fn check(
     setup: &Setup,
     inputs: &Inputs,
     sessions: &Sessions,
-    saved: Vec<Saved>,
-    told: &mut dyn FnMut(&Run, &Grown),
+    saved: Vec<SavedEvidence>,
+    listener: &mut dyn FnMut(&Run, &RunUpdate),
 ) -> Result<Run, UsageError> {
     let progress = Progress::new(setup.options.progress);
-    let reading = Reading::new(inputs, setup, &progress);
+    let reading = ReadContext::new(inputs, setup, &progress);
     let drives = &sessions.drives;
-    let mut shared = Shared::read(&reading, drives);
-    let declared = Declared::all(&setup.governed, &mut shared.sources);
+    let mut shared = SharedFiles::read(&reading, drives);
+    let declared = Declarations::all(&setup.governed, &mut shared.sources);
     let policy = RunPolicy::new(setup.options, &setup.governed, &mut shared.sources)?;
     let alone = std::mem::take(&mut shared.worlds);
-    let room = Room {
+    let context = JudgeContext {
         setup,
         reading,
         shared: &shared,
@@ -54,33 +55,38 @@ pub(super) fn check(
         sessions,
         beside: Mutex::default(),
     };
-    let mut whole = Whole::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), told);
+    let mut whole = RunBuilder::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), listener);
     let recorded: BTreeSet<usize> = drives.iter().flatten().copied().collect();
     let given = (0..shared.sources.len()).filter(|number| !recorded.contains(number));
-    whole.tell(given.collect(), 0, 0, None);
+    whole.notify(given.collect(), 0, 0, None);
     let mut covered = BTreeSet::new();
     let mut left = Vec::new();
-    let mut latched = Latched::of(inputs, drives, !shared.members.is_empty());
+    let mut latched = LatchedValues::of(inputs, drives, !shared.members.is_empty());
     // One per core at a time: reading more of them ahead would only fill memory.
     for drives in drives.chunks(rayon::current_num_threads().max(1)) {
-        for mut drive in parallel::map(drives.iter().collect(), |drive| room.judge(drive)) {
+        for mut drive in parallel::map(drives.iter().collect(), |drive| context.judge(drive)) {
             covered.extend(drive.covered.iter().copied());
-            let files: Vec<SourceId> = drive.covered.iter().copied().filter(|id| room.is_file(*id)).collect();
+            let files: Vec<SourceId> = drive
+                .covered
+                .iter()
+                .copied()
+                .filter(|id| context.is_file(*id))
+                .collect();
             left.push(latched.new_of(&files, std::mem::take(&mut drive.left)));
-            let renumber = Renumber::behind(shared.sources.len(), whole.run.sources.len());
+            let renumber = IdShift::behind(shared.sources.len(), whole.run.sources.len());
             whole.add(drive, renumber);
         }
     }
-    room.judge_rest(alone, &covered, &mut whole);
-    room.judge_across(left, &mut whole);
+    context.judge_rest(alone, &covered, &mut whole);
+    context.judge_across(left, &mut whole);
     for saved in saved {
-        evidence::judge(&room, saved, &mut whole);
+        evidence::judge(&context, saved, &mut whole);
     }
-    Ok(whole.end(&room))
+    Ok(whole.end(&context))
 }
 
 /// Everything that is not a recording: read once, and judged with each recording.
-struct Shared {
+struct SharedFiles {
     /// Every input of the run at its index, recordings still unread; then the sources extracted from other files, and the configuration.
     sources: Vec<Arc<Source>>,
     members: Vec<Member>,
@@ -88,8 +94,8 @@ struct Shared {
     worlds: Vec<World>,
 }
 
-impl Shared {
-    fn read(reading: &Reading, drives: &[Vec<usize>]) -> Self {
+impl SharedFiles {
+    fn read(reading: &ReadContext, drives: &[Vec<usize>]) -> Self {
         let inputs = reading.inputs;
         let recordings: BTreeSet<usize> = drives.iter().flatten().copied().collect();
         let files: Vec<usize> = (0..inputs.files.len())
@@ -126,12 +132,12 @@ fn put(sources: &mut Vec<Arc<Source>>, read: impl IntoIterator<Item = Arc<Source
 }
 
 /// Context for judging.
-struct Room<'a> {
+struct JudgeContext<'a> {
     setup: &'a Setup<'a>,
-    reading: Reading<'a>,
-    shared: &'a Shared,
+    reading: ReadContext<'a>,
+    shared: &'a SharedFiles,
     /// By the indices of the configurations.
-    declared: &'a [Declared],
+    declared: &'a [Declarations],
     policy: &'a RunPolicy<'a>,
     sessions: &'a Sessions,
     /// Verdicts of the platforms without the recording, by their sources.
@@ -147,14 +153,14 @@ struct Drive {
     /// See [`Run::seen`].
     seen: Vec<World>,
     verdict: Verdict,
-    laid: Laid,
+    applied: AppliedPolicy,
     /// The sources judged with it.
     covered: Vec<SourceId>,
     /// Data to compare with other recordings.
     left: Vec<(usize, Facts)>,
 }
 
-impl Room<'_> {
+impl JudgeContext<'_> {
     /// Whether a source is not a recording, and not extracted from one.
     fn is_file(&self, id: SourceId) -> bool {
         let source = self.shared.sources.get(id.0 as usize);
@@ -206,7 +212,7 @@ impl Room<'_> {
         for world in worlds {
             world.sources = Arc::clone(sources);
             if let Some(declared) = self.declared.get(self.setup.governed.of(world)) {
-                declared.tell(world);
+                declared.add_to(world);
             }
         }
     }
@@ -223,16 +229,16 @@ impl Room<'_> {
             .first()
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
-        let demanded = Demanded {
+        let demanded = RequirementContext {
             beside: &self.beside(others),
             recording: Some(&label),
         };
-        let (mut verdict, laid) = self.policy.lay(verdicts, (&sources, &platforms), Some(&demanded));
+        let (mut verdict, applied) = self.policy.apply(verdicts, (&sources, &platforms), Some(&demanded));
         verdict.sort();
         let covered: Vec<SourceId> = worlds.iter().flat_map(|world| world.members.iter().copied()).collect();
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
         let ids = recordings.iter().map(|index| source_id(*index)).collect();
-        let recording = self.recording((label, ids), read, &mut verdict, &laid);
+        let recording = self.recording((label, ids), read, &mut verdict, &applied);
         let seen = self.setup.seen(&worlds);
         for world in &mut worlds {
             world.sources = Arc::default();
@@ -243,7 +249,7 @@ impl Room<'_> {
             worlds,
             seen,
             verdict,
-            laid,
+            applied,
             covered,
             left: Vec::new(),
         }
@@ -255,7 +261,7 @@ impl Room<'_> {
         (label, sources): (String, Vec<SourceId>),
         read: impl Iterator<Item = &'s Arc<Source>>,
         verdict: &mut Verdict,
-        laid: &Laid,
+        applied: &AppliedPolicy,
     ) -> Recording {
         let light = |source: &Arc<Source>| Source {
             status: source.status,
@@ -266,7 +272,7 @@ impl Room<'_> {
         let run = Run {
             sources: read.map(light).map(Arc::new).collect(),
             verdict: std::mem::take(verdict),
-            unmet: laid.unmet().to_vec(),
+            unmet: applied.unmet().to_vec(),
             ..Run::default()
         };
         let configured = self.setup.governed.fail_on();
@@ -305,7 +311,7 @@ impl Room<'_> {
     }
 
     /// Files that do not belong to the platform of any recording.
-    fn judge_rest(&self, mut worlds: Vec<World>, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
+    fn judge_rest(&self, mut worlds: Vec<World>, covered: &BTreeSet<SourceId>, whole: &mut RunBuilder) {
         let is_left = |id: &SourceId| !covered.contains(id);
         worlds.retain(|world| world.members.iter().any(is_left));
         if worlds.is_empty() {
@@ -316,11 +322,11 @@ impl Room<'_> {
         let verdicts = self.setup.judge(&mut worlds, true);
         whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-        whole.lay(verdicts, &labels, self.policy);
+        whole.apply_policy(verdicts, &labels, self.policy);
     }
 
     /// Runs the rules that compare the recordings of a platform; omits what was already reported for one of them.
-    fn judge_across(&self, left: Vec<Vec<(usize, Facts)>>, whole: &mut Whole) {
+    fn judge_across(&self, left: Vec<Vec<(usize, Facts)>>, whole: &mut RunBuilder) {
         let drives: Vec<Vec<usize>> = left
             .iter()
             .map(|left| left.iter().map(|(recording, _)| *recording).collect())
@@ -338,7 +344,7 @@ impl Room<'_> {
         drop(worlds);
         whole.run.sources = Arc::unwrap_or_clone(sources);
         let (verdicts, labels) = compared;
-        whole.lay(verdicts, &labels, self.policy);
+        whole.apply_policy(verdicts, &labels, self.policy);
     }
 
     /// Verdicts of the rules that compare recordings on platforms with several drives, with the indices of their configurations and their names.
@@ -346,7 +352,7 @@ impl Room<'_> {
         &self,
         worlds: &[World],
         drives: &[Vec<usize>],
-        whole: &Whole,
+        whole: &RunBuilder,
         governed: impl Fn(&World) -> usize,
     ) -> (Vec<(usize, Verdict)>, Vec<String>) {
         let drive_of: BTreeMap<usize, usize> = (0..)

@@ -46,13 +46,13 @@ struct Tally {
     share: f64,
     sd_ms: f64,
     mean_ms: f64,
-    told_sd_ms: f64,
+    stated_sd_ms: f64,
     largest_ms: f64,
 }
 
 fn tally(seconds: f64, sd: f64, noise: f64, related: bool, trials: u32) -> Tally {
     let mut rng = Rng::new(404);
-    let (mut errors, mut told) = (Vec::new(), 0.0);
+    let (mut errors, mut stated) = (Vec::new(), 0.0);
     for _ in 0..trials {
         let [gyro, rate] = recorded(&mut rng, seconds, sd, noise, related);
         let found = lag(
@@ -65,7 +65,7 @@ fn tally(seconds: f64, sd: f64, noise: f64, related: bool, trials: u32) -> Tally
         );
         if let Some(found) = found.filter(accepted) {
             errors.push(1e3 * (found.whole.lag_s - LATE_S));
-            told += 1e3 * found.whole.sigma_s.unwrap();
+            stated += 1e3 * found.whole.sigma_s.unwrap();
         }
     }
     let n = errors.len() as f64;
@@ -74,7 +74,7 @@ fn tally(seconds: f64, sd: f64, noise: f64, related: bool, trials: u32) -> Tally
         share: n / f64::from(trials),
         sd_ms: (errors.iter().map(|e| (e - mean_ms).powi(2)).sum::<f64>() / n).sqrt(),
         mean_ms,
-        told_sd_ms: told / n,
+        stated_sd_ms: stated / n,
         largest_ms: errors.iter().map(|e| e.abs()).fold(0.0, f64::max),
     }
 }
@@ -98,7 +98,7 @@ fn an_offset_is_found_as_often_and_as_well_as_in_s4() {
         let t = tally(seconds, 0.12, noise, true, TRIALS);
         println!(
             "noise {noise} {seconds:4} s: {:.3} found, sd {:.1} ms (told {:.1}), mean {:+.1}, largest {:.0}",
-            t.share, t.sd_ms, t.told_sd_ms, t.mean_ms, t.largest_ms
+            t.share, t.sd_ms, t.stated_sd_ms, t.mean_ms, t.largest_ms
         );
         assert!(
             t.share >= least && t.sd_ms <= largest_sd_ms,
@@ -110,9 +110,9 @@ fn an_offset_is_found_as_often_and_as_well_as_in_s4() {
         // The stated deviation is the observed one.
         if seconds >= 40.0 {
             assert!(
-                (0.5..2.0).contains(&(t.told_sd_ms / t.sd_ms)),
+                (0.5..2.0).contains(&(t.stated_sd_ms / t.sd_ms)),
                 "{} {}",
-                t.told_sd_ms,
+                t.stated_sd_ms,
                 t.sd_ms
             );
         }

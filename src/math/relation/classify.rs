@@ -156,7 +156,7 @@ pub fn classify_rotation(r1: &UnitQuaternion<f64>, r2: &UnitQuaternion<f64>, tol
 
 /// The answer of [`classify_either_way`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct EitherWay {
+pub struct TwoWayMatch {
     /// The answer; its `best` is `f` with `b = f(a)`, or with `a = f(b)` when `reversed`.
     pub classification: Classification,
     /// The error is in `a`, with `b` as the truth. When false the error can be in either, if the relation has a
@@ -166,18 +166,18 @@ pub struct EitherWay {
 
 /// [`classify`] where neither of the two is known to be the truth: tries `b = f(a)`, and if nothing may be named,
 /// `a = f(b)`. The second attempt finds what can't be undone: degrees, a lost rotation or translation, a doubled transform.
-pub fn classify_either_way(a: &Isometry3<f64>, b: &Isometry3<f64>, tol: &Tolerance) -> EitherWay {
+pub fn classify_either_way(a: &Isometry3<f64>, b: &Isometry3<f64>, tol: &Tolerance) -> TwoWayMatch {
     let forward = classify(a, b, tol);
     if forward.best.is_none() {
         let backward = classify(b, a, tol);
         if backward.best.is_some() {
-            return EitherWay {
+            return TwoWayMatch {
                 classification: backward,
                 reversed: true,
             };
         }
     }
-    EitherWay {
+    TwoWayMatch {
         classification: forward,
         reversed: false,
     }

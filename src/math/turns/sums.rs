@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Score;
-use super::windows::{Turned, Window};
+use super::windows::{Window, WindowTurn};
 use crate::math::readings::Reading;
 use crate::math::rotation::singular_values;
 
@@ -19,12 +19,12 @@ pub(super) struct Agreement {
 
 /// The lags, in steps, of the largest R2 and of the largest share explained so far.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Best {
+pub(super) struct BestLags {
     r2: Option<(i32, f64)>,
     explained: Option<(i32, f64)>,
 }
 
-impl Best {
+impl BestLags {
     pub(super) fn offer(&mut self, lag: i32, at_lag: Agreement) {
         for (held, value) in [(&mut self.r2, at_lag.r2), (&mut self.explained, at_lag.explained)] {
             // Of equal lags the one nearer to 0. Nothing that is not finite is held.
@@ -57,7 +57,7 @@ impl Best {
 }
 
 /// The agreement of each reading over windows with the gyro's turns over them.
-pub(super) fn agreement<'a>(windows: impl Iterator<Item = &'a Window>, turned: &[Turned]) -> [Agreement; 4] {
+pub(super) fn agreement<'a>(windows: impl Iterator<Item = &'a Window>, turned: &[WindowTurn]) -> [Agreement; 4] {
     let n = turned.len() as f64;
     let (mut g_sum, mut gg, mut ss) = (Vector3::zeros(), 0.0, 0.0);
     let mut sums = [(Vector3::zeros(), 0.0, Matrix3::zeros(), 0.0); 4];
@@ -98,7 +98,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, d: &Vector3<f64>, gyro: &Turned) {
+    fn add(&mut self, d: &Vector3<f64>, gyro: &WindowTurn) {
         let (g, s) = (gyro.turn, gyro.plain);
         self.n += 1.0;
         self.gg += g.norm_squared();
@@ -135,10 +135,10 @@ impl Sums {
 }
 
 /// The gyro's turns at the three lags that matter to a reading.
-pub(super) struct AtLags<'a> {
-    pub(super) still: &'a [Turned],
-    pub(super) best: (f64, &'a [Turned]),
-    pub(super) matched: (f64, &'a [Turned]),
+pub(super) struct LagTurns<'a> {
+    pub(super) still: &'a [WindowTurn],
+    pub(super) best: (f64, &'a [WindowTurn]),
+    pub(super) matched: (f64, &'a [WindowTurn]),
 }
 
 /// The part of the turning that a reading explains whose axes are the gyro's.
@@ -149,7 +149,7 @@ const OTHER_AXES: f64 = 0.8;
 /// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that makes it the
 /// smallest: a steady turn under a wrong reading looks like a larger one. Zero where it is larger than a bias may be about an
 /// axis, and where the gyro is explained only under other axes: the residual then is no bias.
-pub(super) fn bias(windows: &[Window], by_reading: &[(Best, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
+pub(super) fn bias(windows: &[Window], by_reading: &[(BestLags, &[WindowTurn]); 4], limit_rad_s: f64) -> Vector3<f64> {
     let (r2, explained) = by_reading.iter().fold((0.0, 0.0), |(r2, explained), (best, _)| {
         (f64::max(r2, best.r2()), f64::max(explained, best.explained()))
     });
@@ -169,8 +169,8 @@ pub(super) fn bias(windows: &[Window], by_reading: &[(Best, &[Turned]); 4], limi
 }
 
 /// The result of the reading with this index among [`Reading::ALL`].
-pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &AtLags) -> Score {
-    let sums = |turned: &[Turned]| {
+pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &LagTurns) -> Score {
+    let sums = |turned: &[WindowTurn]| {
         let (mut sums, mut drift, mut time_s) = (Sums::default(), Vector3::zeros(), 0.0);
         for ((window, gyro), active) in windows.iter().zip(turned).zip(active) {
             let Some(d) = window.turns.get(index) else { continue };

@@ -32,18 +32,18 @@ impl Window {
 }
 
 /// A row that can be used.
-struct Sound {
+struct ValidRow {
     t_s: f64,
     orientations: [UnitQuaternion<f64>; 4],
     rate: Vector3<f64>,
 }
 
-impl Sound {
-    fn new(row: &Row) -> Option<Sound> {
+impl ValidRow {
+    fn new(row: &Row) -> Option<ValidRow> {
         let rate = Vector3::from(row.rate_rad_s);
         let first = Reading::Xyzw.world_from_body(row.slots)?;
         let finite = row.t_s.is_finite() && rate.iter().all(|w| w.is_finite());
-        finite.then(|| Sound {
+        finite.then(|| ValidRow {
             t_s: row.t_s,
             // The norm is that of the slots, so no reading fails where the first did not.
             orientations: Reading::ALL.map(|r| r.world_from_body(row.slots).unwrap_or(first)),
@@ -63,9 +63,9 @@ pub(super) fn runs<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> (Vec<
     let step_s = median(&steps).unwrap_or(0.0);
     let mut runs = Vec::new();
     for stretch in stretches {
-        let mut current: Vec<Sound> = Vec::new();
+        let mut current: Vec<ValidRow> = Vec::new();
         for row in stretch.as_ref() {
-            let Some(sound) = Sound::new(row) else {
+            let Some(sound) = ValidRow::new(row) else {
                 runs.extend(Run::new(std::mem::take(&mut current)));
                 continue;
             };
@@ -85,7 +85,7 @@ pub(super) fn runs<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> (Vec<
 
 impl Run {
     /// `None` for fewer than two rows.
-    fn new(rows: Vec<Sound>) -> Option<Run> {
+    fn new(rows: Vec<ValidRow>) -> Option<Run> {
         let first = rows.first()?;
         if rows.len() < 2 {
             return None;
@@ -145,12 +145,12 @@ struct Edge {
 /// The gyro in one window: its turn as a rotation vector in the body's axes at the start, and the plain
 /// integral of its rate, radians.
 #[derive(Clone, Copy)]
-pub(super) struct Turned {
+pub(super) struct WindowTurn {
     pub(super) turn: Vector3<f64>,
     pub(super) plain: Vector3<f64>,
 }
 
-impl Turned {
+impl WindowTurn {
     /// Without the effect of a bias, radians: good for turns of less than a radian or so.
     pub(super) fn take_off(&mut self, bias_rad: &Vector3<f64>) {
         self.turn -= bias_rad;
@@ -159,7 +159,7 @@ impl Turned {
 }
 
 /// The gyro's turns over every `nth` window, when the orientation is late by `lag_s`.
-pub(super) fn turned(runs: &[Run], windows: &[Window], nth: usize, lag_s: f64) -> Vec<Turned> {
+pub(super) fn turned(runs: &[Run], windows: &[Window], nth: usize, lag_s: f64) -> Vec<WindowTurn> {
     // The end of a window is mostly the start of the next.
     let mut last: Option<((usize, usize), Edge)> = None;
     let turned = windows.iter().step_by(nth).map(|w| {
@@ -168,12 +168,12 @@ pub(super) fn turned(runs: &[Run], windows: &[Window], nth: usize, lag_s: f64) -
         let from = same.map_or_else(|| run.at(w.start_s - lag_s, w.rows.0), |(_, edge)| Some(edge))?;
         let to = run.at(w.end_s - lag_s, from.row)?;
         last = Some(((w.run, w.rows.1), to));
-        Some(Turned {
+        Some(WindowTurn {
             turn: (from.turn.inverse() * to.turn).scaled_axis(),
             plain: to.plain - from.plain,
         })
     });
-    let nothing = Turned {
+    let nothing = WindowTurn {
         turn: Vector3::zeros(),
         plain: Vector3::zeros(),
     };

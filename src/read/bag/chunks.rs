@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Channel, Sampling, Wanted};
+use super::{Channel, Sampling, Selection};
 
 /// Fewest chunks that are read for a channel, as far as it has so many.
 const CHUNKS_PER_CHANNEL: usize = 6;
@@ -26,16 +26,16 @@ pub(super) struct ChunkInfo {
 
 /// Channels that are read in a special way, numbered by the format's own count.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Marked {
+pub(super) struct MarkedChannels {
     /// Looked for in more chunks.
     pub(super) throughout: BTreeSet<u32>,
     /// Wanted message after message.
     pub(super) in_a_row: BTreeSet<u32>,
 }
 
-impl Marked {
+impl MarkedChannels {
     /// `channels` gives the numbers of the channels that match a predicate.
-    pub(super) fn of(wanted: &Wanted<'_>, channels: impl Fn(&dyn Fn(&Channel) -> bool) -> BTreeSet<u32>) -> Self {
+    pub(super) fn of(wanted: &Selection<'_>, channels: impl Fn(&dyn Fn(&Channel) -> bool) -> BTreeSet<u32>) -> Self {
         Self {
             throughout: channels(wanted.throughout),
             in_a_row: channels(wanted.in_a_row),
@@ -48,7 +48,7 @@ impl Marked {
 /// Runs of neighbouring chunks are spread evenly over the time: the first at the beginning, the last at the end. Then
 /// chunks are added for channels that the runs show too little of: the first chunk of each channel and some over its
 /// length, more of them for the channels that are wanted throughout.
-pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, marked: &Marked) -> Vec<usize> {
+pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, marked: &MarkedChannels) -> Vec<usize> {
     let all: u64 = chunks.iter().fold(0, |sum, chunk| sum.saturating_add(chunk.bytes));
     if all <= sampling.bytes {
         return (0..chunks.len()).collect();
@@ -165,7 +165,7 @@ fn spread(numbers: &[usize], count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Carried;
+    use super::super::RunExtension;
     use super::*;
 
     /// A chunk of 1 MB for every second, with channel 1 in each, 2 in one of a hundred, 3 in the last only.
@@ -194,22 +194,22 @@ mod tests {
         carried: None,
     };
 
-    fn throughout(channels: &[u32]) -> Marked {
-        Marked {
+    fn throughout(channels: &[u32]) -> MarkedChannels {
+        MarkedChannels {
             throughout: channels.iter().copied().collect(),
-            ..Marked::default()
+            ..MarkedChannels::default()
         }
     }
 
     #[test]
     fn a_small_recording_is_read_wholly() {
-        let chosen = choose(&drive(20), &SAMPLING, &Marked::default());
+        let chosen = choose(&drive(20), &SAMPLING, &MarkedChannels::default());
         assert_eq!(chosen, (0..20).collect::<Vec<_>>());
     }
 
     #[test]
     fn runs_begin_at_the_beginning_and_end_at_the_end() {
-        let chosen = choose(&drive(1000), &SAMPLING, &Marked::default());
+        let chosen = choose(&drive(1000), &SAMPLING, &MarkedChannels::default());
         for wanted in [0, 1, 2, 249, 250, 251, 998, 999] {
             assert!(chosen.contains(&wanted), "{wanted} is not in {chosen:?}");
         }
@@ -220,7 +220,7 @@ mod tests {
     fn rare_channels_are_met_and_those_wanted_throughout_more_often() {
         let chunks = drive(2000);
         let rare = |chosen: &[usize]| chosen.iter().filter(|number| **number % 100 == 50).count();
-        let some = choose(&chunks, &SAMPLING, &Marked::default());
+        let some = choose(&chunks, &SAMPLING, &MarkedChannels::default());
         assert!((6..10).contains(&rare(&some)), "{some:?}");
         assert!(some.contains(&50), "the first message of a channel");
         let more = choose(&chunks, &SAMPLING, &throughout(&[2]));
@@ -241,12 +241,12 @@ mod tests {
 
     #[test]
     fn large_messages_that_are_wanted_in_a_row_have_neighbours() {
-        let in_a_row = Marked {
+        let in_a_row = MarkedChannels {
             in_a_row: BTreeSet::from([7]),
-            ..Marked::default()
+            ..MarkedChannels::default()
         };
         let carried = |runs: u32, megabytes: u64| Sampling {
-            carried: Some(Carried {
+            carried: Some(RunExtension {
                 runs,
                 bytes: megabytes << 20,
             }),
@@ -257,7 +257,7 @@ mod tests {
             parts.map(<[usize]>::len).collect::<Vec<_>>()
         };
         let chunks = large(600);
-        let alone = choose(&chunks, &carried(5, 300), &Marked::default());
+        let alone = choose(&chunks, &carried(5, 300), &MarkedChannels::default());
         assert!(longest(&alone).iter().all(|length| *length <= 2), "{alone:?}");
         // The runs are 2 seconds long, or as long as their bytes allow.
         let all = choose(&chunks, &carried(5, 300), &in_a_row);
@@ -294,6 +294,6 @@ mod tests {
         chunks[3].start_ns = i64::MAX;
         chunks[4].end_ns = i64::MIN;
         chunks[5].bytes = u64::MAX;
-        assert!(!choose(&chunks, &SAMPLING, &Marked::default()).is_empty());
+        assert!(!choose(&chunks, &SAMPLING, &MarkedChannels::default()).is_empty());
     }
 }

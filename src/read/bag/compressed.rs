@@ -10,7 +10,7 @@ use std::io::{Read, Write};
 use zstd::bulk::Decompressor;
 use zstd::zstd_safe::get_frame_content_size;
 
-use crate::files::Temporary;
+use crate::files::TempPath;
 use crate::source::{Place, ReadStatus, Source};
 
 use super::{Channel, MAX_MESSAGE, Message, Progress, Visit};
@@ -27,9 +27,9 @@ const MAX_RATIO: u64 = 100;
 const STEP: usize = 1 << 20;
 
 /// A file that was unpacked.
-pub(super) struct Unpacked {
+pub(super) struct UnpackedFile {
     /// What came out; removed when this is dropped.
-    pub(super) file: Temporary,
+    pub(super) file: TempPath,
     /// Its size, bytes.
     pub(super) size: u64,
     /// Why the file was not unpacked to its end.
@@ -37,15 +37,15 @@ pub(super) struct Unpacked {
 }
 
 /// Unpacks a compressed file of `total` bytes to a temporary one. Everything before a damaged place is unpacked.
-pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
+pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<UnpackedFile, String> {
     let bound = (FREE + total.saturating_mul(MAX_RATIO)).min(MAX_UNPACKED);
     unpack_within(bound, file, total, progress)
 }
 
-fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
+fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> Result<UnpackedFile, String> {
     let cannot = |error: std::io::Error| format!("cannot be unpacked: {error}");
-    let (temporary, mut out) = Temporary::file().map_err(cannot)?;
-    let mut counted = Counted { file, done: 0 };
+    let (temporary, mut out) = TempPath::file().map_err(cannot)?;
+    let mut counted = CountingReader { file, done: 0 };
     let mut decoder = zstd::Decoder::new(&mut counted).map_err(cannot)?;
     let mut buffer = vec![0; STEP];
     let (mut size, mut fault) = (0, None);
@@ -74,19 +74,19 @@ fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> 
         progress(decoder.get_ref().get_ref().done.min(total), total);
     }
     out.flush().map_err(cannot)?;
-    Ok(Unpacked {
+    Ok(UnpackedFile {
         file: temporary,
         size,
         fault,
     })
 }
 
-struct Counted {
+struct CountingReader {
     file: File,
     done: u64,
 }
 
-impl Read for Counted {
+impl Read for CountingReader {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let read = self.file.read(buffer)?;
         self.done += read as u64;
@@ -212,7 +212,7 @@ impl Visit for Inflate<'_> {
 mod tests {
     use super::*;
 
-    fn unpacked(bound: u64, bytes: &[u8]) -> Unpacked {
+    fn unpacked(bound: u64, bytes: &[u8]) -> UnpackedFile {
         let mut file = tempfile::tempfile().unwrap();
         file.write_all(bytes).unwrap();
         std::io::Seek::rewind(&mut file).unwrap();

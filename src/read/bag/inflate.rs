@@ -28,7 +28,7 @@ pub(super) enum Compression {
 }
 
 /// A chunk as stored in the file.
-pub(super) struct Packed {
+pub(super) struct PackedChunk {
     /// Where its record starts in the file.
     pub(super) at: u64,
     /// Its compression.
@@ -46,12 +46,12 @@ pub(super) struct Packed {
 }
 
 /// A chunk ready to be read.
-pub(super) struct Unpacked {
+pub(super) struct UnpackedChunk {
     /// Where its record starts in the file.
     pub(super) at: u64,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
-    /// See [`Packed::log_times`].
+    /// See [`PackedChunk::log_times`].
     pub(super) log_times: Option<(u64, u64)>,
     /// The decompressed bytes, or what is wrong. Nothing that came out before an error is used: it may be wrong as well.
     pub(super) data: Result<Vec<u8>, String>,
@@ -60,9 +60,9 @@ pub(super) struct Unpacked {
 /// Takes chunks in and returns them in the same order.
 #[derive(Default)]
 pub(super) struct Inflater {
-    packed: Vec<Packed>,
+    packed: Vec<PackedChunk>,
     waiting_bytes: u64,
-    unpacked: Vec<Unpacked>,
+    unpacked: Vec<UnpackedChunk>,
     free: Vec<Vec<u8>>,
 }
 
@@ -75,7 +75,11 @@ impl Inflater {
     }
 
     /// Takes in a chunk. Once a batch is full, the batch before it is passed to `look`, whose error stops the reading.
-    pub(super) fn push<E>(&mut self, chunk: Packed, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
+    pub(super) fn push<E>(
+        &mut self,
+        chunk: PackedChunk,
+        look: &mut dyn FnMut(&UnpackedChunk) -> Result<(), E>,
+    ) -> Result<(), E> {
         self.waiting_bytes += chunk.size.max(chunk.data.len() as u64);
         self.packed.push(chunk);
         let for_all = self.packed.len() >= rayon::current_num_threads().max(2);
@@ -86,13 +90,13 @@ impl Inflater {
     }
 
     /// Passes on everything that was taken in.
-    pub(super) fn finish<E>(&mut self, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
+    pub(super) fn finish<E>(&mut self, look: &mut dyn FnMut(&UnpackedChunk) -> Result<(), E>) -> Result<(), E> {
         self.turn(look)?;
         self.turn(look)
     }
 
     /// Decompresses the waiting batch while the one before is read.
-    fn turn<E>(&mut self, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
+    fn turn<E>(&mut self, look: &mut dyn FnMut(&UnpackedChunk) -> Result<(), E>) -> Result<(), E> {
         let packed = std::mem::take(&mut self.packed);
         self.waiting_bytes = 0;
         let ready = std::mem::take(&mut self.unpacked);
@@ -138,7 +142,7 @@ impl Inflater {
             if self.free.len() < KEPT {
                 self.free.push(compressed);
             }
-            self.unpacked.push(Unpacked {
+            self.unpacked.push(UnpackedChunk {
                 at: chunk.at,
                 seam: chunk.seam,
                 log_times: chunk.log_times,
@@ -151,7 +155,7 @@ impl Inflater {
 
 /// Decompresses a chunk into a buffer and compares its checksum; of a chunk that is not compressed only the
 /// checksum is compared.
-fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
+fn unpack(chunk: &PackedChunk, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
     buffer.clear();
     let size = usize::try_from(chunk.size).map_err(|_| "a chunk is larger than this machine's memory".to_owned())?;
     let bytes = match chunk.compression {
@@ -221,13 +225,13 @@ fn lz4(data: &[u8], size: usize, out: &mut Vec<u8>) -> Result<(), String> {
 
 /// Decompresses a bzip2 stream as it is read.
 pub(super) fn bz2_reader<'r>(packed: impl Read + 'r) -> impl Read + 'r {
-    Guarded(::bzip2::read::BzDecoder::new(packed))
+    PanicGuard(::bzip2::read::BzDecoder::new(packed))
 }
 
 /// A decompressor whose panic costs one chunk only. It is built to fail with errors.
-struct Guarded<R>(R);
+struct PanicGuard<R>(R);
 
-impl<R: Read> Read for Guarded<R> {
+impl<R: Read> Read for PanicGuard<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let (decoder, lent) = (&mut self.0, buffer);
         catch_unwind(AssertUnwindSafe(|| decoder.read(lent)))
@@ -243,7 +247,7 @@ mod tests {
 
     const ALL: [Compression; 4] = [Compression::None, Compression::Zstd, Compression::Lz4, Compression::Bz2];
 
-    fn packed(compression: Compression, plain: &[u8], at: u64) -> Packed {
+    fn packed(compression: Compression, plain: &[u8], at: u64) -> PackedChunk {
         let data = match compression {
             Compression::None => plain.to_vec(),
             Compression::Zstd => ::zstd::encode_all(plain, 1).unwrap(),
@@ -259,7 +263,7 @@ mod tests {
                 packed
             }
         };
-        Packed {
+        PackedChunk {
             at,
             compression,
             size: plain.len() as u64,
@@ -270,10 +274,10 @@ mod tests {
         }
     }
 
-    fn all(chunks: Vec<Packed>) -> Vec<(u64, Result<Vec<u8>, String>)> {
+    fn all(chunks: Vec<PackedChunk>) -> Vec<(u64, Result<Vec<u8>, String>)> {
         let mut inflater = Inflater::default();
         let mut seen = Vec::new();
-        let mut look = |chunk: &Unpacked| {
+        let mut look = |chunk: &UnpackedChunk| {
             seen.push((chunk.at, chunk.data.clone()));
             Ok::<(), ()>(())
         };
@@ -307,7 +311,7 @@ mod tests {
     #[test]
     fn damage_is_said_of_the_chunk_that_has_it() {
         for compression in ALL {
-            let mut chunks: Vec<Packed> = (0..3)
+            let mut chunks: Vec<PackedChunk> = (0..3)
                 .map(|at| packed(compression, b"some words, some words", at))
                 .collect();
             chunks[1].checksum ^= 1;

@@ -27,7 +27,7 @@ const MAX_FILES: usize = 100_000;
 const MAX_DEPTH: usize = 4;
 
 /// A value with its place in the text.
-pub(super) type At<T> = Option<(T, Span)>;
+pub(super) type Spanned<T> = Option<(T, Span)>;
 
 /// What the file says about a recording.
 #[derive(Clone, Debug, Default)]
@@ -35,21 +35,21 @@ pub(in crate::read) struct Metadata {
     /// The text that the places point into.
     pub(super) text: String,
     /// Version of the layout.
-    pub(super) version: At<u64>,
+    pub(super) version: Spanned<u64>,
     /// `sqlite3` or `mcap`.
-    pub(super) storage: At<String>,
+    pub(super) storage: Spanned<String>,
     /// Compression of files or messages; empty where nothing is compressed.
-    pub(super) compression_format: At<String>,
+    pub(super) compression_format: Spanned<String>,
     /// The files as they are named, in order.
     pub(super) files: Vec<(String, Span)>,
     /// Topics, by name.
-    pub(super) topics: BTreeMap<String, TopicSaid>,
+    pub(super) topics: BTreeMap<String, TopicEntry>,
     /// Messages in all files.
-    pub(super) messages: At<u64>,
+    pub(super) messages: Spanned<u64>,
     /// Time of the first message, nanoseconds.
-    pub(super) start_ns: At<i64>,
+    pub(super) start_ns: Spanned<i64>,
     /// From the first message to the last one, nanoseconds.
-    pub(super) duration_ns: At<i64>,
+    pub(super) duration_ns: Spanned<i64>,
     /// The distribution that recorded.
     pub(super) ros_distro: Option<String>,
     /// What the user stored in the recording besides messages.
@@ -60,15 +60,15 @@ pub(in crate::read) struct Metadata {
 
 /// What the file says about a topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct TopicSaid {
+pub(super) struct TopicEntry {
     /// Where its name is.
     pub(super) name_at: Span,
     /// Type of the messages.
-    pub(super) message_type: At<String>,
+    pub(super) message_type: Spanned<String>,
     /// Offered QoS profiles, as the YAML text that older versions write.
     pub(super) offered_qos_profiles: String,
     /// Number of messages.
-    pub(super) messages: At<u64>,
+    pub(super) messages: Spanned<u64>,
 }
 
 impl Metadata {
@@ -146,10 +146,10 @@ impl Metadata {
     }
 }
 
-fn topic(entry: &Node) -> Option<(String, TopicSaid)> {
+fn topic(entry: &Node) -> Option<(String, TopicEntry)> {
     let about = entry.get("topic_metadata")?;
     let name = about.get("name")?;
-    let topic = TopicSaid {
+    let topic = TopicEntry {
         name_at: name.span,
         message_type: placed(about, "type", string),
         offered_qos_profiles: about.get("offered_qos_profiles").map(profiles).unwrap_or_default(),
@@ -196,12 +196,12 @@ fn lines(node: &Node, depth: usize, out: &mut String) {
     }
 }
 
-fn placed<T>(node: &Node, key: &str, read: impl Fn(&Node) -> Option<T>) -> At<T> {
+fn placed<T>(node: &Node, key: &str, read: impl Fn(&Node) -> Option<T>) -> Spanned<T> {
     let value = node.get(key)?;
     Some((read(value)?, value.span))
 }
 
-fn within(node: &Node, key: &str, inner: &str) -> At<i64> {
+fn within(node: &Node, key: &str, inner: &str) -> Spanned<i64> {
     placed(node.get(key)?, inner, |value| value.text()?.parse().ok())
 }
 

@@ -92,12 +92,12 @@ pub struct Sampling {
     /// Bound on all runs together, bytes of messages; a recording that is smaller is read wholly.
     pub bytes: u64,
     /// Runs that cover all of `seconds`, beyond the limit of `bytes`, where they contain channels that are wanted in a row.
-    pub carried: Option<Carried>,
+    pub carried: Option<RunExtension>,
 }
 
 /// For messages that are compared with their neighbours, and are so large that a run of ordinary size contains none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Carried {
+pub struct RunExtension {
     /// How many of the runs are extended in this way.
     pub runs: u32,
     /// Bound on each of them, bytes of messages.
@@ -120,7 +120,7 @@ impl Sampling {
 
 /// What is wanted of a recording.
 #[derive(Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct Selection<'a> {
     /// Everything where `None`.
     pub sampling: Option<Sampling>,
     /// Channels that are read outside of the runs too, as far as the index makes it cheap; of every other channel, the
@@ -130,7 +130,7 @@ pub struct Wanted<'a> {
     pub in_a_row: &'a dyn Fn(&Channel) -> bool,
 }
 
-impl Wanted<'_> {
+impl Selection<'_> {
     /// Every message.
     pub const ALL: Self = Self {
         sampling: None,
@@ -141,7 +141,7 @@ impl Wanted<'_> {
 
 /// The input of a reader besides the file.
 struct Task<'a> {
-    wanted: Wanted<'a>,
+    wanted: Selection<'a>,
     /// Receives how far reading went.
     source: &'a mut Source,
     progress: Progress<'a>,
@@ -202,7 +202,7 @@ const NOTHING: Extent = Extent {
 /// was examined and every problem.
 pub fn read(
     recording: &Recording<'_>,
-    wanted: &Wanted<'_>,
+    wanted: &Selection<'_>,
     source: &mut Source,
     progress: Progress<'_>,
     visit: &mut dyn Visit,
@@ -253,7 +253,7 @@ impl Visit for Outline {
 
 /// The outline of a recording, from its index where it has one.
 pub fn outline(recording: &Recording<'_>) -> Outline {
-    let wanted = Wanted {
+    let wanted = Selection {
         sampling: Some(Sampling {
             windows: 1,
             seconds: 0.0,

@@ -10,7 +10,7 @@ use crate::source::{Problem, ReadStatus, Source};
 
 use super::metadata::Metadata;
 use super::numbered::numbered;
-use super::{Carried, Channel, Extent, Message, Sampling, Task, Visit, Wanted};
+use super::{Channel, Extent, Message, RunExtension, Sampling, Selection, Task, Visit};
 
 /// Bound on the topics that are counted.
 const MAX_COUNTED: usize = 10_000;
@@ -45,11 +45,11 @@ pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_
     let total: u64 = sizes.iter().sum();
     let sampling = wanted.sampling.filter(|sampling| total > sampling.bytes);
     let mut said = metadata.cloned();
-    let mut joined = Joined {
+    let mut joined = JoinedParts {
         visit,
         several: files.len() > 1,
         channels: Vec::new(),
-        told: 0,
+        announced: 0,
         seam: false,
         totals: sampling.and(said.as_ref()).map(totals).unwrap_or_default(),
         outcome: Outcome::default(),
@@ -67,14 +67,14 @@ pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_
         joined.start(&name);
         let mut part = Source::new(source.id, name.clone(), source.kind);
         let before = done;
-        let told = |part: u64, _: u64| progress(before + part.min(*size), total);
+        let part_progress = |part: u64, _: u64| progress(before + part.min(*size), total);
         let task = Task {
-            wanted: Wanted {
+            wanted: Selection {
                 sampling: sampling.map(|sampling| share(&sampling, before, *size, total)),
                 ..wanted
             },
             source: &mut part,
-            progress: &told,
+            progress: &part_progress,
             visit: &mut joined,
         };
         let extent = super::file(file, said.as_ref(), task);
@@ -122,7 +122,7 @@ fn share(sampling: &Sampling, before: u64, size: u64, total: u64) -> Sampling {
     let carried = sampling.carried.map(|carried| {
         let runs = u64::from(carried.runs);
         let runs = portion_of(runs, before + size) - portion_of(runs, before);
-        Carried {
+        RunExtension {
             runs: u32::try_from(runs).unwrap_or(0),
             ..carried
         }
@@ -181,7 +181,7 @@ fn together(extents: &[Extent], log_ns: Option<(i64, i64)>) -> Extent {
 
 /// Messages of each topic in the whole recording.
 fn totals(metadata: &Metadata) -> BTreeMap<String, Option<u64>> {
-    let total = |topic: &super::metadata::TopicSaid| topic.messages.map(|(count, _)| count);
+    let total = |topic: &super::metadata::TopicEntry| topic.messages.map(|(count, _)| count);
     let topics = metadata.topics.iter();
     topics
         .filter_map(|(name, topic)| Some((name.clone(), Some(total(topic)?))))
@@ -200,13 +200,13 @@ impl Outcome {
 }
 
 /// Passes on the content of several files like that of a single one.
-struct Joined<'v> {
+struct JoinedParts<'v> {
     visit: &'v mut dyn Visit,
     several: bool,
     /// Channels of this file, as they are passed on.
     channels: Vec<Channel>,
     /// Channels announced in the files before.
-    told: usize,
+    announced: usize,
     /// Whether messages were skipped before the next one.
     seam: bool,
     /// Totals of the metadata by topic; `None` once passed on: they are those of the whole recording.
@@ -214,9 +214,9 @@ struct Joined<'v> {
     outcome: Outcome,
 }
 
-impl Joined<'_> {
+impl JoinedParts<'_> {
     fn start(&mut self, name: &str) {
-        self.told += self.channels.len();
+        self.announced += self.channels.len();
         self.channels.clear();
         if self.several {
             self.visit.part(name);
@@ -232,14 +232,14 @@ impl Joined<'_> {
             None => channel.total,
         };
         Channel {
-            number: self.told + channel.number,
+            number: self.announced + channel.number,
             total,
             ..channel.clone()
         }
     }
 }
 
-impl Visit for Joined<'_> {
+impl Visit for JoinedParts<'_> {
     fn channel(&mut self, channel: &Channel) {
         let channel = self.renumbered(channel);
         let topics = &mut self.outcome.topics;

@@ -8,7 +8,7 @@ use std::ops::Bound;
 use std::sync::Arc;
 
 use crate::source::Confidence;
-use crate::tables::{Angle, Dialect, Keyed, Length, QuaternionWord, Rows};
+use crate::tables::{Angle, Dialect, KeyedTransform, Length, QuaternionWord, Rows};
 
 use super::document::{Kind, Node};
 
@@ -31,12 +31,12 @@ pub(super) struct Terms {
     /// The list holds one 4x4 for each sensor, and the bottom rows carry flags: only their upper 3x4 are transforms.
     pub(super) packed: bool,
     /// Where they come from.
-    pub(super) by: By,
+    pub(super) by: TermsSource,
 }
 
 /// Why the units and order of a value are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
+pub(super) enum TermsSource {
     /// They are not known; the usual ones are assumed.
     Nothing,
     /// A row of the table.
@@ -51,22 +51,22 @@ pub(super) const GENERIC: Terms = Terms {
     degrees: false,
     xyzw: None,
     packed: false,
-    by: By::Nothing,
+    by: TermsSource::Nothing,
 };
 
 /// Autoware's `parent: {child: {x, y, z, roll, pitch, yaw}}`.
 pub(super) const AUTOWARE: Terms = Terms {
-    by: By::Nesting,
+    by: TermsSource::Nesting,
     ..GENERIC
 };
 
 impl Terms {
     /// Whether the format is known.
     pub(super) fn are_known(&self) -> bool {
-        self.by != By::Nothing
+        self.by != TermsSource::Nothing
     }
 
-    fn of(keyed: &Keyed) -> Self {
+    fn of(keyed: &KeyedTransform) -> Self {
         Self {
             metres: match keyed.length {
                 Length::Metres => 1.0,
@@ -75,27 +75,27 @@ impl Terms {
             degrees: keyed.angle == Angle::Degrees,
             xyzw: keyed.quaternion.map(|order| order == QuaternionWord::Xyzw),
             packed: keyed.packed,
-            by: By::Row,
+            by: TermsSource::Row,
         }
     }
 }
 
 /// What the table says about one value.
 #[derive(Clone, Debug)]
-pub(super) struct Said<'r> {
-    pub(super) keyed: &'r Keyed,
+pub(super) struct TableEntry<'r> {
+    pub(super) keyed: &'r KeyedTransform,
     /// The parts of its path that the key leaves open.
-    found: Found,
+    found: KeyWildcards,
 }
 
 /// The values of `#` and `*` of a key.
 #[derive(Clone, Debug, Default)]
-struct Found {
+struct KeyWildcards {
     numbers: Vec<u32>,
     words: Vec<String>,
 }
 
-impl Said<'_> {
+impl TableEntry<'_> {
     pub(super) fn terms(&self) -> Terms {
         Terms::of(self.keyed)
     }
@@ -146,7 +146,7 @@ impl Said<'_> {
 }
 
 /// How sure a row's direction is.
-pub(super) fn reading(dialect: &Dialect, keyed: &Keyed) -> Confidence {
+pub(super) fn reading(dialect: &Dialect, keyed: &KeyedTransform) -> Confidence {
     if dialect.verified && keyed.doubt.is_none() {
         Confidence::Likely
     } else {
@@ -155,11 +155,11 @@ pub(super) fn reading(dialect: &Dialect, keyed: &Keyed) -> Confidence {
 }
 
 /// What the row says about the value with this label.
-pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
+pub(super) fn entry<'r>(dialect: &'r Dialect, label: &str) -> Option<TableEntry<'r>> {
     let by = |path: &[&str]| {
         dialect.transforms.iter().find_map(|keyed| {
             let found = keyed.keys.iter().find_map(|key| matched(key, path))?;
-            Some(Said { keyed, found })
+            Some(TableEntry { keyed, found })
         })
     };
     let slashes: Vec<&str> = label.split('/').collect();
@@ -168,10 +168,10 @@ pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
 }
 
 /// The values of `#` and `*` if a path ends in a key; `None` if it does not.
-fn matched(key: &str, path: &[&str]) -> Option<Found> {
+fn matched(key: &str, path: &[&str]) -> Option<KeyWildcards> {
     let pattern: Vec<&str> = key.split('/').collect();
     let tail = path.get(path.len().checked_sub(pattern.len())?..)?;
-    let mut found = Found::default();
+    let mut found = KeyWildcards::default();
     for (pattern, part) in pattern.into_iter().zip(tail) {
         match pattern.split_once('#') {
             _ if pattern == "*" => found.words.push((*part).to_owned()),

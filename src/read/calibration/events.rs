@@ -60,7 +60,7 @@ fn build_with(text: &str, map: &OffsetMap, lookahead: usize) -> Documents {
 }
 
 /// An unfinished collection.
-struct Open {
+struct OpenCollection {
     node: Node,
     key: Option<Node>,
     anchor: usize,
@@ -70,7 +70,7 @@ struct Open {
 
 /// A value under an anchor, with its number of nodes and its depth.
 #[derive(Clone)]
-struct Anchored {
+struct AnchorValue {
     /// `None` where the values under anchors are too many to be kept twice.
     node: Option<Node>,
     size: usize,
@@ -80,8 +80,8 @@ struct Anchored {
 struct Builder<'a> {
     text: &'a str,
     map: &'a OffsetMap,
-    open: Vec<Open>,
-    anchors: BTreeMap<usize, Anchored>,
+    open: Vec<OpenCollection>,
+    anchors: BTreeMap<usize, AnchorValue>,
     nodes: usize,
     aliased: usize,
     /// Nodes kept under anchors. Anchors inside of anchors contain the same values again.
@@ -185,7 +185,7 @@ impl<'a> Builder<'a> {
         self.count(1, span)?;
         let mut node = Node::new(span, kind);
         node.tag = tag_name(tag);
-        self.open.push(Open {
+        self.open.push(OpenCollection {
             node,
             key: None,
             anchor,
@@ -223,7 +223,7 @@ impl<'a> Builder<'a> {
             let fits = self.anchored + size <= MAX_NODES;
             let node = fits.then(|| node.clone());
             self.anchored += if fits { size } else { 0 };
-            self.anchors.insert(anchor, Anchored { node, size, depth });
+            self.anchors.insert(anchor, AnchorValue { node, size, depth });
         }
     }
 

@@ -11,10 +11,10 @@ use crate::world::{FrameId, FrameRole, Literal, Spelling};
 
 use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
-use super::names::{self, Half};
+use super::names::{self, PairHalf};
 use super::numbers::{self, Numbers};
 use super::shapes::{self, Draft, Rotation};
-use super::walk::{Named, Step, Walk};
+use super::walk::{NamedFrames, Step, Walk};
 
 /// Reads one document. Depth is bounded by the document model.
 pub(super) fn read<'a>(root: &'a Node, walk: &mut Walk<'a>) {
@@ -75,13 +75,13 @@ pub(super) fn is_over_time(items: &[Node]) -> bool {
         let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time", "file_path"];
         times.iter().find_map(|key| item.get(key)?.text().map(str::to_owned))
     };
-    let has = |item: &Node, half: Half| {
+    let has = |item: &Node, half: PairHalf| {
         let mut keys = item.pairs().iter().filter_map(|(key, _)| key.text());
         keys.any(|key| names::half(key).is_some_and(|(_, of)| of == half))
     };
     let is_pose = |item: &Node| {
         let is_of_image = item.get("transform_matrix").is_some() && item.get("file_path").is_some();
-        is_of_image || has(item, Half::Translation) && has(item, Half::Rotation)
+        is_of_image || has(item, PairHalf::Translation) && has(item, PairHalf::Rotation)
     };
     let times: Option<BTreeSet<String>> = items.iter().map(time).collect();
     let is_recorded = |item: &Node| {
@@ -139,7 +139,7 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
 fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
     let named = walk.any_key(|key| transform_name::parse(key).is_some_and(|name| name.part == NamePart::Whole));
     let rotation = walk.any_key(|key| {
-        names::half(key).is_some_and(|(stem, half)| half == Half::Rotation && names::is_transform(stem))
+        names::half(key).is_some_and(|(stem, half)| half == PairHalf::Rotation && names::is_transform(stem))
     });
     // Halves of transforms have 3, 4 or 9.
     let known = walk.is_known_by_key() && !matches!(count, 0..=4 | 9 | 16);
@@ -272,7 +272,7 @@ fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
     }
     for ((index, (key, _)), (draft, reading, terms)) in children.into_iter().zip(drafts) {
         let Some(child) = key.text() else { continue };
-        let named = Named {
+        let named = NamedFrames {
             frames: (carrier.to_owned(), child.to_owned()),
             places: (parent.span, key.span),
             reading,
@@ -288,16 +288,16 @@ fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
 /// A mapping of a translation and a rotation, and nothing else.
 fn two_halves(node: &Node, text: &str, terms: Terms) -> Option<Draft> {
     let [first, second] = node.pairs() else { return None };
-    let of = |half: fn(Half) -> bool| {
+    let of = |half: fn(PairHalf) -> bool| {
         let is_it = |(key, _): &&(Node, Node)| {
             let named = key.text().and_then(names::half);
             named.is_some_and(|(stem, of)| stem.is_empty() && half(of))
         };
         [first, second].into_iter().find(is_it)
     };
-    let (key, value) = of(|half| half == Half::Translation)?;
+    let (key, value) = of(|half| half == PairHalf::Translation)?;
     let (xyz, metres) = shapes::translation(key.text()?, value, text, terms)?;
-    let (key, value) = of(|half| half != Half::Translation)?;
+    let (key, value) = of(|half| half != PairHalf::Translation)?;
     let (_, half) = names::half(key.text()?)?;
     let rotation = shapes::rotation(key.text()?, half, value, text, terms)?;
     shapes::combine(Some(&xyz), Some(&rotation), metres, node.span)
@@ -321,8 +321,8 @@ fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
             continue;
         };
         let terms = walk.terms(text);
-        let translation = shapes::translation(text, child, walk.text, terms).filter(|_| half == Half::Translation);
-        let rotation = (half != Half::Translation)
+        let translation = shapes::translation(text, child, walk.text, terms).filter(|_| half == PairHalf::Translation);
+        let rotation = (half != PairHalf::Translation)
             .then(|| shapes::rotation(text, half, child, walk.text, terms))
             .flatten();
         if translation.is_none() && rotation.is_none() {
@@ -354,12 +354,12 @@ fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
 }
 
 /// What halves of one transform share, and which half a key names.
-fn stem_of(key: &str) -> Option<(String, Half)> {
+fn stem_of(key: &str) -> Option<(String, PairHalf)> {
     if let Some(name) = transform_name::parse(key) {
         let half = match name.part {
-            NamePart::Translation => Half::Translation,
-            NamePart::Rotation if names::is_angles(key) => Half::Angles,
-            NamePart::Rotation => Half::Rotation,
+            NamePart::Translation => PairHalf::Translation,
+            NamePart::Rotation if names::is_angles(key) => PairHalf::Angles,
+            NamePart::Rotation => PairHalf::Rotation,
             NamePart::Whole => return None,
         };
         return Some((format!("{} from {}", name.target, name.source), half));
@@ -368,13 +368,13 @@ fn stem_of(key: &str) -> Option<(String, Half)> {
 }
 
 /// The same by the dialect, which may name the keys of both halves.
-fn stem_by_dialect(key: &str, value: &Node, walk: &Walk<'_>) -> Option<(String, Half)> {
+fn stem_by_dialect(key: &str, value: &Node, walk: &Walk<'_>) -> Option<(String, PairHalf)> {
     let stem = walk.named_key(key)?.stem()?;
     let found = numbers::numbers(value, walk.text)?;
     let half = if found.vector(3).is_some() {
-        Half::Translation
+        PairHalf::Translation
     } else {
-        Half::Rotation
+        PairHalf::Rotation
     };
     Some((stem, half))
 }

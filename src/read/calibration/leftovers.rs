@@ -9,7 +9,7 @@ use crate::world::{Claim, FrameId};
 
 use super::document::{Kind, Node};
 use super::generic::is_over_time;
-use super::names::{self, Half};
+use super::names::{self, PairHalf};
 use super::numbers::{self, Numbers};
 
 /// A part that no reader took a statement of.
@@ -190,18 +190,18 @@ impl<'a> Search<'a> {
                 .as_ref()
                 .map_or_else(|| axes(child), |found| found.literals().len());
             let fits = match half {
-                Half::Translation | Half::Angles => count == 3,
-                Half::Rotation => matches!(count, 3 | 4 | 9),
+                PairHalf::Translation | PairHalf::Angles => count == 3,
+                PairHalf::Rotation => matches!(count, 3 | 4 | 9),
             };
             fits.then_some(half)
         };
-        let halves: Vec<(usize, Half)> = node
+        let halves: Vec<(usize, PairHalf)> = node
             .pairs()
             .iter()
             .enumerate()
             .filter_map(|(index, pair)| Some((index, half(pair)?)))
             .collect();
-        let is_place = |(_, half): &(usize, Half)| *half == Half::Translation;
+        let is_place = |(_, half): &(usize, PairHalf)| *half == PairHalf::Translation;
         let is_pair = halves.iter().any(is_place) && !halves.iter().all(is_place);
         let is_listed = matches!(self.path.last(), Some(Part::Index(_)));
         // Half a transform alone can be anything, unless the keys around it mean mountings.

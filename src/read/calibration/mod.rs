@@ -26,7 +26,7 @@ mod tests;
 
 use std::path::Path;
 
-use crate::source::{LineIndex, Place, Placed, ReadStatus, Source, Span};
+use crate::source::{LineIndex, Place, ReadStatus, Source, SourceValue, Span};
 use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
@@ -102,7 +102,7 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
         let says = "OpenVINS states contain JPL's q_GtoI, whose numbers are those of Hamilton's q_ItoG";
         facts
             .jpl
-            .push(Placed::new(says.to_owned(), Place::text(source.id, 0..line)));
+            .push(SourceValue::new(says.to_owned(), Place::text(source.id, 0..line)));
     }
     if form.is_some_and(plain::Form::is_over_time) && source.problems.is_empty() {
         source.detail = Some("poses over time (a trajectory), no mounting transforms".to_owned());
@@ -110,9 +110,9 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
     facts
 }
 
-type Corrected = Vec<(usize, &'static str)>;
+type Corrections = Vec<(usize, &'static str)>;
 
-fn read(source: &mut Source, dialects: &Dialects, parse: impl Fn(&str, usize) -> (Documents, Corrected)) -> Facts {
+fn read(source: &mut Source, dialects: &Dialects, parse: impl Fn(&str, usize) -> (Documents, Corrections)) -> Facts {
     let text = std::mem::take(&mut source.text);
     let facts = read_text(source, &text, dialects, parse);
     source.text = text;
@@ -123,7 +123,7 @@ fn read_text(
     source: &mut Source,
     text: &str,
     dialects: &Dialects,
-    parse: impl Fn(&str, usize) -> (Documents, Corrected),
+    parse: impl Fn(&str, usize) -> (Documents, Corrections),
 ) -> Facts {
     source.examined.bytes_total = source.examined.bytes_total.max(text.len() as u64);
     if let Some(why) = refused(text) {
@@ -189,7 +189,7 @@ fn not_understood(source: &mut Source, leftovers: &[Leftover], facts: &Facts) {
         );
         (place(first.span), message)
     });
-    let placed = |leftover: &Leftover| Placed::new(leftover.label.clone(), place(leftover.span));
+    let placed = |leftover: &Leftover| SourceValue::new(leftover.label.clone(), place(leftover.span));
     source.not_understood = leftovers.iter().map(placed).collect();
     if let Some((place, message)) = problem {
         let help = "write each transform as a matrix, or as `translation` and `rotation`, under a key that names both frames (`base_link_from_lidar`)";
@@ -261,7 +261,7 @@ fn describe(
     source: &mut Source,
     text: &str,
     documents: &Documents,
-    corrected: &Corrected,
+    corrected: &Corrections,
     facts: &Facts,
     dialect: Option<&Dialect>,
 ) {

@@ -158,7 +158,7 @@ pub(super) fn alike(a: &str, b: &str) -> u8 {
 
 /// Which half of a pair a key names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Half {
+pub(super) enum PairHalf {
     /// A translation.
     Translation,
     /// A rotation as a matrix or quaternion.
@@ -168,32 +168,32 @@ pub(super) enum Half {
 }
 
 /// Endings of keys that name a half; longer ones first where one ends in another.
-const HALVES: &[(&str, Half)] = &[
-    ("translation", Half::Translation),
-    ("position", Half::Translation),
-    ("trans", Half::Translation),
-    ("xyz", Half::Translation),
-    ("pos", Half::Translation),
-    ("rotation_matrix", Half::Rotation),
-    ("rotation", Half::Rotation),
-    ("orientation", Half::Rotation),
-    ("quaternion", Half::Rotation),
-    ("quat", Half::Rotation),
-    ("rot", Half::Rotation),
-    ("rotation_rpy", Half::Angles),
-    ("rotation_euler", Half::Angles),
-    ("orientation_rpy", Half::Angles),
-    ("roll_pitch_yaw", Half::Angles),
-    ("rpy", Half::Angles),
-    ("euler", Half::Angles),
-    ("T", Half::Translation),
-    ("t", Half::Translation),
-    ("R", Half::Rotation),
-    ("q", Half::Rotation),
+const HALVES: &[(&str, PairHalf)] = &[
+    ("translation", PairHalf::Translation),
+    ("position", PairHalf::Translation),
+    ("trans", PairHalf::Translation),
+    ("xyz", PairHalf::Translation),
+    ("pos", PairHalf::Translation),
+    ("rotation_matrix", PairHalf::Rotation),
+    ("rotation", PairHalf::Rotation),
+    ("orientation", PairHalf::Rotation),
+    ("quaternion", PairHalf::Rotation),
+    ("quat", PairHalf::Rotation),
+    ("rot", PairHalf::Rotation),
+    ("rotation_rpy", PairHalf::Angles),
+    ("rotation_euler", PairHalf::Angles),
+    ("orientation_rpy", PairHalf::Angles),
+    ("roll_pitch_yaw", PairHalf::Angles),
+    ("rpy", PairHalf::Angles),
+    ("euler", PairHalf::Angles),
+    ("T", PairHalf::Translation),
+    ("t", PairHalf::Translation),
+    ("R", PairHalf::Rotation),
+    ("q", PairHalf::Rotation),
 ];
 
 /// Splits a key such as `extrinsicRot` or `camera_ext_t` into its stem and the half it names.
-pub(super) fn half(key: &str) -> Option<(&str, Half)> {
+pub(super) fn half(key: &str) -> Option<(&str, PairHalf)> {
     let bare = without_units(key);
     HALVES.iter().find_map(|(ending, half)| {
         let at = bare.len().checked_sub(ending.len())?;
@@ -298,19 +298,19 @@ mod tests {
     #[test]
     fn halves_of_pairs_share_a_stem() {
         for (key, stem, expected) in [
-            ("extrinsicRot", "extrinsic", Half::Rotation),
-            ("extrinsicTrans", "extrinsic", Half::Translation),
-            ("extrinsicRPY", "extrinsic", Half::Angles),
-            ("extrinsicRotation", "extrinsic", Half::Rotation),
-            ("extrinsicTranslation", "extrinsic", Half::Translation),
-            ("extrinsic_R", "extrinsic", Half::Rotation),
-            ("extrinsic_T", "extrinsic", Half::Translation),
-            ("camera_ext_t", "camera_ext", Half::Translation),
-            ("rotation", "", Half::Rotation),
-            ("t", "", Half::Translation),
-            ("rpy_deg", "", Half::Angles),
-            ("originXYZ", "origin", Half::Translation),
-            ("rotation_xyzw", "", Half::Rotation),
+            ("extrinsicRot", "extrinsic", PairHalf::Rotation),
+            ("extrinsicTrans", "extrinsic", PairHalf::Translation),
+            ("extrinsicRPY", "extrinsic", PairHalf::Angles),
+            ("extrinsicRotation", "extrinsic", PairHalf::Rotation),
+            ("extrinsicTranslation", "extrinsic", PairHalf::Translation),
+            ("extrinsic_R", "extrinsic", PairHalf::Rotation),
+            ("extrinsic_T", "extrinsic", PairHalf::Translation),
+            ("camera_ext_t", "camera_ext", PairHalf::Translation),
+            ("rotation", "", PairHalf::Rotation),
+            ("t", "", PairHalf::Translation),
+            ("rpy_deg", "", PairHalf::Angles),
+            ("originXYZ", "origin", PairHalf::Translation),
+            ("rotation_xyzw", "", PairHalf::Rotation),
         ] {
             assert_eq!(half(key), Some((stem, expected)), "{key}");
         }

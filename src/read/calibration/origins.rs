@@ -77,7 +77,7 @@ fn of_format(format: &OriginFormat, node: &Node, path: &str, source: SourceId) -
         place: Place::text(source, place.span),
     };
     let Some(key) = &format.key else {
-        let [latitude, longitude, altitude] = told(format, node);
+        let [latitude, longitude, altitude] = by_keys(format, node);
         let at = node.get(format.keys.first()?)?;
         return Some(made(Some([latitude?, longitude?]), altitude, "", at));
     };
@@ -91,7 +91,7 @@ fn of_format(format: &OriginFormat, node: &Node, path: &str, source: SourceId) -
         None => value,
     };
     let [latitude, longitude, altitude] = if format.list.is_empty() {
-        told(format, chosen)
+        by_keys(format, chosen)
     } else {
         listed(format, chosen)
     };
@@ -111,7 +111,7 @@ fn choose<'n>(list: &'n Node, name: Option<&str>) -> Option<&'n Node> {
 }
 
 /// Latitude, longitude and altitude under the keys of a format.
-fn told(format: &OriginFormat, node: &Node) -> [Option<f64>; 3] {
+fn by_keys(format: &OriginFormat, node: &Node) -> [Option<f64>; 3] {
     [0, 1, 2].map(|index| number(node.get(format.keys.get(index)?)?))
 }
 
@@ -137,7 +137,7 @@ mod tests {
         let mut source = Source::new(SourceId(0), "origin.yaml", SourceKind::Yaml);
         text.clone_into(&mut source.text);
         let facts = read_yaml(&mut source, crate::tables::Tables::default().dialects());
-        let told = |origin: &crate::world::EarthOrigin| {
+        let text = |origin: &crate::world::EarthOrigin| {
             let line = LineIndex::new(text)
                 .locate(text, origin.place.span().unwrap().start)
                 .line;
@@ -151,7 +151,7 @@ mod tests {
                 origin.format, origin.label
             )
         };
-        facts.origins.iter().map(told).collect()
+        facts.origins.iter().map(text).collect()
     }
 
     #[test]

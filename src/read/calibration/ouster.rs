@@ -6,7 +6,7 @@
 
 use crate::source::{Place, SourceId};
 use crate::world::OusterMetadata;
-use crate::world::ouster::{Angles, Stated};
+use crate::world::ouster::{Angles, PlacedNumber};
 
 use super::document::Node;
 
@@ -38,7 +38,7 @@ pub(super) fn collect(root: &Node, source: SourceId) -> Option<OusterMetadata> {
     let stated = |key: &str| {
         let node = find(root, key, MAX_DEPTH)?;
         let value = node.text()?.trim().parse().ok()?;
-        Some(Stated {
+        Some(PlacedNumber {
             value,
             place: Place::text(source, node.span),
         })

@@ -2,7 +2,7 @@
 //!
 //! Owns what counts as such a reference. The caller, which knows the folder, checks whether the file exists.
 
-use crate::source::{Place, Placed, SourceId};
+use crate::source::{Place, SourceId, SourceValue};
 use crate::world::{FileReference, FrameId, ReferenceState};
 
 use super::document::{Kind, Node};
@@ -34,7 +34,7 @@ pub(super) fn collect(root: &Node, source: SourceId) -> Vec<FileReference> {
                     {
                         found.push(FileReference {
                             key: key.to_owned(),
-                            path: Placed::new(path.to_owned(), Place::text(source, value.span)),
+                            path: SourceValue::new(path.to_owned(), Place::text(source, value.span)),
                             state: ReferenceState::Unknown,
                         });
                     }

@@ -7,7 +7,7 @@ use crate::world::{Literal, Pose, Spelling};
 
 use super::dialect::Terms;
 use super::document::Node;
-use super::names::{self, Half};
+use super::names::{self, PairHalf};
 use super::numbers::{self, array, matrix_pose, rpy_pose, values};
 
 /// The numbers of a claim, before its name is known.
@@ -205,7 +205,7 @@ pub(super) fn translation(key: &str, node: &Node, source: &str, terms: Terms) ->
 }
 
 /// A rotation under a key that names one.
-pub(super) fn rotation(key: &str, half: Half, node: &Node, source: &str, terms: Terms) -> Option<Rotation> {
+pub(super) fn rotation(key: &str, half: PairHalf, node: &Node, source: &str, terms: Terms) -> Option<Rotation> {
     let degrees = terms.degrees || names::says_degrees(key);
     if let Some(found) = numbers::numbers(node, source) {
         if let Some((3, 3, literals)) = found.matrix() {
@@ -214,7 +214,7 @@ pub(super) fn rotation(key: &str, half: Half, node: &Node, source: &str, terms: 
         if let Some(four) = found.vector(4) {
             return quaternion(four, names::says_order(key).or(terms.xyzw));
         }
-        let three = found.vector(3).filter(|_| half == Half::Angles)?.to_vec();
+        let three = found.vector(3).filter(|_| half == PairHalf::Angles)?.to_vec();
         return Some(Rotation::Rpy {
             literals: three,
             degrees,

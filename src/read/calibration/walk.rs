@@ -10,7 +10,7 @@ use crate::tables::Dialect;
 use crate::world::transform_name::{self, NameStyle, TransformName};
 use crate::world::{Claim, ClaimKind, DeclaredChain, Doubt, Facts, FrameId, FrameRole, FrameUse};
 
-use super::dialect::{self, By, Said, Terms};
+use super::dialect::{self, TableEntry, Terms, TermsSource};
 use super::document::{Kind, Node};
 use super::names;
 use super::numbers;
@@ -29,7 +29,7 @@ pub(super) struct Step<'a> {
 
 /// Frames of a claim with where they are named.
 #[derive(Clone, Debug)]
-pub(super) struct Named {
+pub(super) struct NamedFrames {
     /// `(target, source)`.
     pub(super) frames: (String, String),
     /// Where each is named.
@@ -45,7 +45,7 @@ pub(super) struct Named {
 }
 
 /// A claim with the key its frames were taken from, if they were.
-struct Found {
+struct KeyedClaim {
     claim: Claim,
     role: FrameRole,
     named_by: Option<String>,
@@ -59,7 +59,7 @@ pub(super) struct Walk<'a> {
     /// The dialect of the file, where it is known.
     dialect: Option<&'a Dialect>,
     path: Vec<Step<'a>>,
-    found: Vec<Found>,
+    found: Vec<KeyedClaim>,
     chains: Vec<DeclaredChain>,
     /// Faults that kept a transform from being read.
     pub(super) problems: Vec<(Span, String)>,
@@ -139,13 +139,13 @@ impl<'a> Walk<'a> {
     }
 
     /// What the dialect says about the current value, or about the one under a key in it.
-    fn said(&self, last: &str) -> Option<Said<'a>> {
-        dialect::said(self.dialect?, &self.label(last))
+    fn entry(&self, last: &str) -> Option<TableEntry<'a>> {
+        dialect::entry(self.dialect?, &self.label(last))
     }
 
     /// Units and order of the current value, or of the one under a key in it.
     pub(super) fn terms(&self, last: &str) -> Terms {
-        let said = self.said(last).or_else(|| self.said(""));
+        let said = self.entry(last).or_else(|| self.entry(""));
         said.map_or(dialect::GENERIC, |said| said.terms())
     }
 
@@ -156,27 +156,27 @@ impl<'a> Walk<'a> {
         let half = self
             .dialect
             .zip(above)
-            .and_then(|(row, above)| dialect::said(row, above));
-        let itself = self.said("").is_some_and(|said| said.names(self.key()));
+            .and_then(|(row, above)| dialect::entry(row, above));
+        let itself = self.entry("").is_some_and(|said| said.names(self.key()));
         itself || half.is_some() && names::half(self.key()).is_some()
     }
 
     /// What the dialect says about a key in the current value that it names itself.
-    pub(super) fn named_key(&self, key: &str) -> Option<Said<'a>> {
-        self.said(key).filter(|said| said.names(key))
+    pub(super) fn named_key(&self, key: &str) -> Option<TableEntry<'a>> {
+        self.entry(key).filter(|said| said.names(key))
     }
 
     /// Why the dialect's description of a statement is in doubt.
     fn doubt(&self, label: &str, by: Option<&Node>) -> Option<Doubt> {
-        let said = dialect::said(self.dialect?, label).or_else(|| self.said(by?.text()?))?;
+        let said = dialect::entry(self.dialect?, label).or_else(|| self.entry(by?.text()?))?;
         let algebra = said.keyed.algebra_doubt.clone().map(Doubt::Algebra);
         algebra.or_else(|| said.keyed.doubt.clone().map(Doubt::Direction))
     }
 
     /// The frames that the dialect gives a statement.
-    fn named_by_dialect(&self, label: &str, by: Option<&Node>, span: Span) -> Option<Named> {
+    fn named_by_dialect(&self, label: &str, by: Option<&Node>, span: Span) -> Option<NamedFrames> {
         let row = self.dialect?;
-        let said = dialect::said(row, label).or_else(|| self.said(by?.text()?))?;
+        let said = dialect::entry(row, label).or_else(|| self.entry(by?.text()?))?;
         let sibling = |key: &str| {
             let mut mappings = self.path.iter().rev().map(|step| step.node);
             let under = |node: &'a Node| key.split('/').try_fold(node, |node, part| node.get(part))?.text();
@@ -184,7 +184,7 @@ impl<'a> Walk<'a> {
             (!text.is_empty()).then(|| text.to_owned())
         };
         let place = by.map_or(span, |key| key.span);
-        Some(Named {
+        Some(NamedFrames {
             frames: said.frames(sibling)?,
             places: (place, place),
             reading: dialect::reading(row, said.keyed),
@@ -200,7 +200,7 @@ impl<'a> Walk<'a> {
 
     /// The frames that the surroundings of the current value name: keys that state them, else names of keys, from the
     /// inside out as long as the keys on the way name no frames themselves.
-    pub(super) fn named(&self) -> Option<Named> {
+    pub(super) fn named(&self) -> Option<NamedFrames> {
         for (at, step) in self.path.iter().enumerate().rev() {
             if let Some(named) = stated(step.node) {
                 return Some(named);
@@ -219,13 +219,13 @@ impl<'a> Walk<'a> {
     }
 
     /// The frames that a key in the current value names, replaced by the names that the keys next to it state.
-    pub(super) fn named_inside(&self, key: &Node) -> Option<Named> {
+    pub(super) fn named_inside(&self, key: &Node) -> Option<NamedFrames> {
         Some(beside(self.named_by(key)?, stated(self.path.last()?.node)))
     }
 
     /// The frames of a mounting (`extrinsics: {lidar: {xyz: ..., rpy: ...}}`): the sensor, in the base frame that the file states; where it
     /// states none, in the base.
-    pub(super) fn mounted(&self) -> Option<Named> {
+    pub(super) fn mounted(&self) -> Option<NamedFrames> {
         let is_key = |step: &Step, is_it: &dyn Fn(&str) -> bool| step.key.and_then(Node::text).is_some_and(is_it);
         let at = self.path.iter().rposition(|step| is_key(step, &names::is_mountings))?;
         let mut inside = self.path.iter().skip(at + 1);
@@ -248,7 +248,7 @@ impl<'a> Walk<'a> {
         let base = around.find_map(|step| text(step.node, BASE_FRAMES));
         let is_role = base.is_none();
         let base = base.unwrap_or_else(|| ("base".to_owned(), own.1));
-        Some(Named {
+        Some(NamedFrames {
             frames: (base.0, own.0),
             places: (base.1, own.1),
             reading: if is_role { Confidence::Hint } else { Confidence::Likely },
@@ -259,7 +259,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The frames in a key's name.
-    pub(super) fn named_by(&self, key: &Node) -> Option<Named> {
+    pub(super) fn named_by(&self, key: &Node) -> Option<NamedFrames> {
         let text = key.text()?;
         let name = transform_name::parse(text)?;
         let mut reading = match name.style {
@@ -268,7 +268,7 @@ impl<'a> Walk<'a> {
             _ => Confidence::Hint,
         };
         let TransformName { target, source, .. } = name;
-        let mut named = Named {
+        let mut named = NamedFrames {
             frames: (target, source),
             places: (key.span, key.span),
             reading,
@@ -311,7 +311,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Makes a claim. Values that are not numbers become a problem instead.
-    pub(super) fn emit(&mut self, draft: Draft, label: String, named: Option<&Named>, by: Option<&Node>, terms: Terms) {
+    pub(super) fn emit(
+        &mut self,
+        draft: Draft,
+        label: String,
+        named: Option<&NamedFrames>,
+        by: Option<&Node>,
+        terms: Terms,
+    ) {
         let literals = draft.translation.iter().chain(&draft.rotation);
         if let Some(bad) = literals.clone().find(|l| numbers::number(&l.text).is_none()) {
             let launch = ["$(", "${", "{{"].iter().any(|mark| bad.text.contains(mark));
@@ -350,7 +357,7 @@ impl<'a> Walk<'a> {
         let naming = named.filter(|n| n.role == FrameRole::CalibrationLabel && n.places.0 == n.places.1);
         let span = naming.map_or(span, |n| span.cover(n.places.0));
         let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
-        let found = Found {
+        let found = KeyedClaim {
             role,
             named_by: is_label.then(|| {
                 let name = by.and_then(Node::text).unwrap_or_default();
@@ -367,7 +374,7 @@ impl<'a> Walk<'a> {
                 rotation_literals: draft.rotation,
                 kind: ClaimKind::File {
                     dialect: match self.dialect {
-                        _ if terms.by == By::Nesting => "autoware",
+                        _ if terms.by == TermsSource::Nesting => "autoware",
                         Some(row) if terms.are_known() => &row.name,
                         _ => "generic",
                     }
@@ -388,7 +395,7 @@ impl<'a> Walk<'a> {
             stated.frames = stated.frames.map(|(target, source)| (source, target));
             std::mem::swap(&mut stated.target_place, &mut stated.source_place);
             stated.reading = Confidence::Certain;
-            self.found.push(Found {
+            self.found.push(KeyedClaim {
                 role,
                 named_by: None,
                 claim: stated,
@@ -436,7 +443,7 @@ impl<'a> Walk<'a> {
     /// (`T_SC` of each camera of a list), the names are symbols of a formula and are dropped.
     pub(super) fn finish(mut self) -> (Facts, Vec<(Span, String)>) {
         let mut same: BTreeMap<(String, FrameId, FrameId), usize> = BTreeMap::new();
-        let name = |found: &Found| {
+        let name = |found: &KeyedClaim| {
             let (target, source) = found.claim.frames.clone()?;
             Some((found.named_by.clone()?, target, source))
         };
@@ -454,7 +461,7 @@ impl<'a> Walk<'a> {
             }
         }
         let mut uses: BTreeMap<(FrameId, FrameRole), (Place, u64)> = BTreeMap::new();
-        for Found { claim, role, .. } in &self.found {
+        for KeyedClaim { claim, role, .. } in &self.found {
             let Some((target, source)) = &claim.frames else {
                 continue;
             };
@@ -486,12 +493,12 @@ impl<'a> Walk<'a> {
 }
 
 /// The frames of a statement, by its own keys and by its dialect, and whether they come from the dialect alone.
-fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> Option<Named> {
+fn settled(named: Option<&NamedFrames>, by_dialect: Option<NamedFrames>) -> Option<NamedFrames> {
     match (named.cloned(), by_dialect) {
         (Some(stated), _) if stated.role == FrameRole::Calibration => Some(stated),
         // A key may name the frames as the dialect does.
-        (Some(named), Some(Named { frames, reading, .. })) if named.frames == frames => {
-            Some(Named { reading, ..named })
+        (Some(named), Some(NamedFrames { frames, reading, .. })) if named.frames == frames => {
+            Some(NamedFrames { reading, ..named })
         }
         (named, by_dialect) => by_dialect.or(named),
     }
@@ -499,7 +506,7 @@ fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> Option<Named> {
 
 /// The frames that a key names (`ego_T_lidar`), by what keys next to it state (`parent_frame: base_link`, `child_frame: lidar_top`): its
 /// names are replaced by those. If the stated frames do not correspond to them, the key's own names are used.
-fn beside(named: Named, stated: Option<Named>) -> Named {
+fn beside(named: NamedFrames, stated: Option<NamedFrames>) -> NamedFrames {
     let Some(stated) = stated else { return named };
     let alike = |a: &str, b: &str| names::alike(a, b);
     let ((target, source), (parent, child)) = (&named.frames, &stated.frames);
@@ -510,7 +517,7 @@ fn beside(named: Named, stated: Option<Named>) -> Named {
         Ordering::Equal => named,
         Ordering::Less => {
             let ((parent, child), (parent_at, child_at)) = (stated.frames, stated.places);
-            Named {
+            NamedFrames {
                 frames: (child, parent),
                 places: (child_at, parent_at),
                 reading: named.reading,
@@ -562,7 +569,7 @@ fn frame_name(node: &Node) -> Option<String> {
     (plain && is_name).then(|| text.to_owned())
 }
 
-fn stated(node: &Node) -> Option<Named> {
+fn stated(node: &Node) -> Option<NamedFrames> {
     let child = || node.get("child_frame_id");
     let header = node.get("header").and_then(|header| header.get("frame_id"));
     let by_header = header
@@ -572,7 +579,7 @@ fn stated(node: &Node) -> Option<Named> {
         .iter()
         .find_map(|(target, source, reading)| Some((node.get(target)?, node.get(source)?, *reading)));
     let (target, source, reading) = by_keys.or(by_header)?;
-    Some(Named {
+    Some(NamedFrames {
         frames: (frame_name(target)?, frame_name(source)?),
         places: (target.span, source.span),
         reading,

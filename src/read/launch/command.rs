@@ -5,10 +5,10 @@
 
 use crate::math::rotation;
 use crate::source::{Confidence, Place, SourceId, Span};
-use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
+use crate::world::launch::{ArgumentForm, ReadObstacle, StaticPublisher};
 use crate::world::{Claim, ClaimKind, FrameId, Literal, Pose, Spelling};
 
-use super::{Call, PROGRAM, When, Word};
+use super::{Call, CallCondition, PROGRAM, Word};
 
 /// The dialect's name in claims.
 const DIALECT: &str = PROGRAM;
@@ -88,7 +88,7 @@ fn is_flagged(words: &[&Word]) -> bool {
     words.iter().any(|word| word.text.starts_with("--"))
 }
 
-fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
+fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, ReadObstacle> {
     if is_flagged(words) {
         return flagged(words);
     }
@@ -96,9 +96,9 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
         && (only.is_open || only.text.starts_with('/') || !only.text.contains(' '))
     {
         return Err(if only.is_open {
-            Unread::Open(only.text.clone())
+            ReadObstacle::Open(only.text.clone())
         } else {
-            Unread::Parameter(only.text.clone())
+            ReadObstacle::Parameter(only.text.clone())
         });
     }
     // A number after the frames is the period.
@@ -114,21 +114,21 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     let (Some(numbers), Some([parent, child])) = (numbers, frames) else {
         let open = words.iter().find(|word| word.is_open && word.text.starts_with('$'));
         return Err(match open {
-            Some(open) => Unread::Open(open.text.clone()),
-            None => Unread::Misread(format!(
+            Some(open) => ReadObstacle::Open(open.text.clone()),
+            None => ReadObstacle::Misread(format!(
                 "it has {} arguments; it needs 6 or 7 numbers and two frames",
                 words.len()
             )),
         });
     };
     if let Some(name) = numbers.iter().find(|word| !word.is_open && !is_number(word)) {
-        return Err(Unread::Misread(format!(
+        return Err(ReadObstacle::Misread(format!(
             "`{}` is not a number where one is required",
             name.text
         )));
     }
     if let Some(frame) = [parent, child].into_iter().find(|word| is_number(word)) {
-        return Err(Unread::Misread(format!(
+        return Err(ReadObstacle::Misread(format!(
             "`{}` is a number where a frame is required",
             frame.text
         )));
@@ -153,7 +153,7 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
 }
 
 /// `--x 1 --frame-id a`; the programs do not accept `--x=1`.
-fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
+fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, ReadObstacle> {
     const TRANSLATION: [&str; 3] = ["--x", "--y", "--z"];
     const ANGLES: [&str; 3] = ["--roll", "--pitch", "--yaw"];
     const QUATERNION: [&str; 4] = ["--qx", "--qy", "--qz", "--qw"];
@@ -169,14 +169,14 @@ fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
             .any(|known| *known == flag.text);
         if !known {
             return Err(if flag.is_open {
-                Unread::Open(flag.text.clone())
+                ReadObstacle::Open(flag.text.clone())
             } else {
-                Unread::Misread(format!("`{}` is not an argument of {PROGRAM}", flag.text))
+                ReadObstacle::Misread(format!("`{}` is not an argument of {PROGRAM}", flag.text))
             });
         }
         let value = words
             .next()
-            .ok_or_else(|| Unread::Misread(format!("`{}` has no value", flag.text)))?;
+            .ok_or_else(|| ReadObstacle::Misread(format!("`{}` has no value", flag.text)))?;
         given.push((&flag.text, value));
     }
     let of = |flag: &str| {
@@ -188,7 +188,9 @@ fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     };
     let any = |flags: &[&str]| flags.iter().any(|flag| of(flag).is_some());
     if any(&ANGLES) && any(&QUATERNION) {
-        return Err(Unread::Misread("both angles and a quaternion are given".to_owned()));
+        return Err(ReadObstacle::Misread(
+            "both angles and a quaternion are given".to_owned(),
+        ));
     }
     let rotation = if any(&QUATERNION) {
         QUATERNION.map(of).to_vec()
@@ -197,7 +199,7 @@ fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     };
     let frames = FRAMES.map(of);
     if let Some((_, flag)) = frames.iter().zip(FRAMES).find(|(frame, _)| frame.is_none()) {
-        return Err(Unread::Misread(format!("`{flag}` is missing")));
+        return Err(ReadObstacle::Misread(format!("`{flag}` is missing")));
     }
     Ok(Arguments {
         form: ArgumentForm::Flags,
@@ -212,7 +214,7 @@ fn claim(
     call: &Call,
     publisher: &StaticPublisher,
     source: SourceId,
-) -> Result<Claim, Unread> {
+) -> Result<Claim, ReadObstacle> {
     let translation = literals(&arguments.translation)?;
     let mut rotation = literals(&arguments.rotation)?;
     let is_quaternion = arguments.rotation.len() == 4;
@@ -220,7 +222,8 @@ fn claim(
         // The program starts from the identity.
         *w = written(1.0, publisher.place.span().unwrap_or(call.span));
     }
-    let xyz = values::<3>(&translation).ok_or_else(|| Unread::Misread("a translation has three numbers".to_owned()))?;
+    let xyz =
+        values::<3>(&translation).ok_or_else(|| ReadObstacle::Misread("a translation has three numbers".to_owned()))?;
     let (spelling, pose) = if let Some(xyzw) = values::<4>(&rotation) {
         let order_known = true;
         (
@@ -228,7 +231,8 @@ fn claim(
             Pose::from_raw(xyz, xyzw),
         )
     } else {
-        let rpy = values::<3>(&rotation).ok_or_else(|| Unread::Misread("a rotation has three angles".to_owned()))?;
+        let rpy =
+            values::<3>(&rotation).ok_or_else(|| ReadObstacle::Misread("a rotation has three angles".to_owned()))?;
         let [roll, pitch, yaw] = rpy;
         let q = rotation::from_rpy(roll, pitch, yaw).coords;
         (Spelling::Rpy { xyz, rpy }, Pose::from_raw(xyz, [q.x, q.y, q.z, q.w]))
@@ -247,9 +251,9 @@ fn claim(
     };
     let reading = match call.when {
         _ if frames.is_none() => Confidence::Hint,
-        When::Always if !used().any(|word| word.is_default) => Confidence::Certain,
-        When::Always | When::ByDefault => Confidence::Likely,
-        When::Perhaps | When::Off => Confidence::Hint,
+        CallCondition::Always if !used().any(|word| word.is_default) => Confidence::Certain,
+        CallCondition::Always | CallCondition::ByDefault => Confidence::Likely,
+        CallCondition::Perhaps | CallCondition::Off => Confidence::Hint,
     };
     let place = |word: Option<&Word>| word.map(|word| Place::text(source, word.span));
     Ok(Claim {
@@ -274,7 +278,7 @@ fn claim(
 }
 
 /// Numbers that flags omit are zero and are written nowhere.
-fn literals(words: &[Option<&Word>]) -> Result<Vec<Literal>, Unread> {
+fn literals(words: &[Option<&Word>]) -> Result<Vec<Literal>, ReadObstacle> {
     let literal = |word: Option<&Word>| match word {
         None => Ok(written(0.0, Span::default())),
         Some(word) => match number(&word.text) {
@@ -283,8 +287,8 @@ fn literals(words: &[Option<&Word>]) -> Result<Vec<Literal>, Unread> {
                 value,
                 span: word.span,
             }),
-            _ if word.is_open => Err(Unread::Open(word.text.clone())),
-            _ => Err(Unread::Misread(format!(
+            _ if word.is_open => Err(ReadObstacle::Open(word.text.clone())),
+            _ => Err(ReadObstacle::Misread(format!(
                 "`{}` is not a number where one is required",
                 word.text
             ))),

@@ -60,7 +60,7 @@ pub(crate) fn is_launch(ending: &str, head: &str) -> bool {
 /// Reads a launch file or script (`source.text`). Sets status, detail and problems.
 pub fn read(source: &mut Source) -> Facts {
     let text = std::mem::take(&mut source.text);
-    let mut found = Found::new(source.id);
+    let mut found = LaunchFacts::new(source.id);
     match grammar(&ending(Path::new(&source.path)), &text) {
         Some(Grammar::Python) => python::read(&text, &mut found),
         Some(Grammar::Shell) => shell::read(&text, &mut found),
@@ -71,8 +71,8 @@ pub fn read(source: &mut Source) -> Facts {
 }
 
 /// Converts what was found to facts, and the rest to problems and notes of the source.
-fn finish(found: Found, source: &mut Source) -> Facts {
-    let Found { facts, faults, off, .. } = found;
+fn finish(found: LaunchFacts, source: &mut Source) -> Facts {
+    let LaunchFacts { facts, faults, off, .. } = found;
     for (span, message) in faults {
         let status = if facts.publishers.is_empty() {
             ReadStatus::Unreadable
@@ -120,7 +120,7 @@ struct Word {
 
 /// Whether a call is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum When {
+enum CallCondition {
     /// In every case.
     Always,
     /// Under a condition that holds by default.
@@ -136,14 +136,14 @@ struct Call {
     name: Option<String>,
     package: Option<String>,
     is_ros2: Option<bool>,
-    when: When,
+    when: CallCondition,
     words: Vec<Word>,
     /// The whole call.
     span: Span,
 }
 
 /// What was found in a file.
-struct Found {
+struct LaunchFacts {
     source: SourceId,
     facts: Facts,
     faults: Vec<(Span, String)>,
@@ -151,7 +151,7 @@ struct Found {
     off: Vec<(Option<String>, Span)>,
 }
 
-impl Found {
+impl LaunchFacts {
     fn new(source: SourceId) -> Self {
         Self {
             source,
@@ -162,7 +162,7 @@ impl Found {
     }
 
     fn call(&mut self, call: &Call) {
-        if call.when == When::Off {
+        if call.when == CallCondition::Off {
             self.off.push((call.name.clone(), call.span));
             return;
         }

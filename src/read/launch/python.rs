@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 use tree_sitter::Node;
 
 use crate::read::syntax::{children, nodes, parse, span, text};
-use crate::source::{Place, Placed};
+use crate::source::{Place, SourceValue};
 
-use super::{Call, Found, PROGRAM, When, settings};
-use values::{Bound, Value, words};
+use super::{Call, CallCondition, LaunchFacts, PROGRAM, settings};
+use values::{Bindings, Value, words};
 
 /// Calls of one function that makes nodes.
 const MAX_SITES: usize = 256;
@@ -26,7 +26,7 @@ struct Script<'t> {
     declared: BTreeMap<String, Node<'t>>,
 }
 
-pub(super) fn read(source: &str, found: &mut Found) {
+pub(super) fn read(source: &str, found: &mut LaunchFacts) {
     let tree = match parse(source, &tree_sitter_python::LANGUAGE.into()) {
         Ok(tree) => tree,
         Err(fault) => return found.faults.push(fault),
@@ -54,7 +54,7 @@ pub(super) fn read(source: &str, found: &mut Found) {
                 script.argument(*call, 0, "name"),
                 script.argument(*call, 1, "default_value"),
             )
-            && let Value::Text(name) = script.value(name, &Bound::new(), 0)
+            && let Value::Text(name) = script.value(name, &Bindings::new(), 0)
         {
             script.declared.insert(name.text, default);
         }
@@ -97,8 +97,8 @@ impl<'t> Script<'t> {
         })
     }
 
-    fn node(&self, call: Node<'t>, calls: &[Node<'t>], found: &mut Found) {
-        let plain = |name: &str| match self.value(self.keyword(call, name)?, &Bound::new(), 0) {
+    fn node(&self, call: Node<'t>, calls: &[Node<'t>], found: &mut LaunchFacts) {
+        let plain = |name: &str| match self.value(self.keyword(call, name)?, &Bindings::new(), 0) {
             Value::Text(word) if !word.is_open => Some(word.text),
             _ => None,
         };
@@ -126,7 +126,7 @@ impl<'t> Script<'t> {
     }
 
     /// `ExecuteProcess(cmd=['ros2', 'run', 'tf2_ros', 'static_transform_publisher', ...])`.
-    fn process(&self, call: Node<'t>, calls: &[Node<'t>], found: &mut Found) {
+    fn process(&self, call: Node<'t>, calls: &[Node<'t>], found: &mut LaunchFacts) {
         let Some(command) = self.keyword(call, "cmd") else {
             return;
         };
@@ -147,7 +147,7 @@ impl<'t> Script<'t> {
     }
 
     /// Runs `made` once, or once for each call of the function around, with its parameters bound.
-    fn each_site(&self, call: Node<'t>, calls: &[Node<'t>], mut made: impl FnMut(&Bound)) {
+    fn each_site(&self, call: Node<'t>, calls: &[Node<'t>], mut made: impl FnMut(&Bindings)) {
         let function = around(call, &["function_definition"]);
         let parameters = function.and_then(|function| function.child_by_field_name("parameters"));
         let parameters = parameters.map(children).unwrap_or_default();
@@ -165,17 +165,17 @@ impl<'t> Script<'t> {
                 let name = text(name, self.source);
                 let given = self.argument(*site, index, name);
                 let value = given.or_else(|| parameter.child_by_field_name("value"))?;
-                Some((name.to_owned(), self.value(value, &Bound::new(), 0)))
+                Some((name.to_owned(), self.value(value, &Bindings::new(), 0)))
             });
             made(&bound.collect());
         }
         if sites.is_empty() {
-            made(&Bound::new());
+            made(&Bindings::new());
         }
     }
 
     /// With an `if` around it, or `condition=` in it, it is not known whether it runs.
-    fn when(&self, call: Node<'t>) -> When {
+    fn when(&self, call: Node<'t>) -> CallCondition {
         let is_branch = around(
             call,
             &[
@@ -186,13 +186,13 @@ impl<'t> Script<'t> {
             ],
         );
         if is_branch.is_some() || self.keyword(call, "condition").is_some() {
-            When::Perhaps
+            CallCondition::Perhaps
         } else {
-            When::Always
+            CallCondition::Always
         }
     }
 
-    fn settings(&self, call: Node<'t>, name: String, found: &mut Found) {
+    fn settings(&self, call: Node<'t>, name: String, found: &mut LaunchFacts) {
         let Some(parameters) = self.keyword(call, "parameters") else {
             return;
         };
@@ -206,13 +206,13 @@ impl<'t> Script<'t> {
                 else {
                     continue;
                 };
-                let key = self.value(key, &Bound::new(), 0);
-                let words = words(self.value(value, &Bound::new(), 0));
+                let key = self.value(key, &Bindings::new(), 0);
+                let words = words(self.value(value, &Bindings::new(), 0));
                 let known = words.iter().all(|word| !word.is_open);
                 if let (Value::Text(key), true) = (key, known) {
                     let list: Vec<String> = words.into_iter().map(|word| word.text).collect();
                     let place = Place::text(found.source, span(value));
-                    values.push((key.text, Placed::new(list.join(" "), place)));
+                    values.push((key.text, SourceValue::new(list.join(" "), place)));
                 }
             }
         }

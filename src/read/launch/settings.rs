@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::source::Placed;
+use crate::source::SourceValue;
 use crate::world::launch::LocalizationSettings;
 
 /// Settings of its filters and of `navsat_transform_node`.
@@ -23,7 +23,7 @@ const KEPT: [&str; 11] = [
 /// The settings of a node; `None` where none of them is kept.
 pub(super) fn of(
     node: String,
-    values: impl IntoIterator<Item = (String, Placed<String>)>,
+    values: impl IntoIterator<Item = (String, SourceValue<String>)>,
 ) -> Option<LocalizationSettings> {
     let kept = |key: &String| KEPT.contains(&key.as_str());
     let values: BTreeMap<_, _> = values.into_iter().filter(|(key, _)| kept(key)).collect();

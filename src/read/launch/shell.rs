@@ -6,9 +6,9 @@ use tree_sitter::Node;
 
 use crate::read::syntax::{children, nodes, parse, span, text};
 
-use super::{Call, Found, PROGRAM, When, Word};
+use super::{Call, CallCondition, LaunchFacts, PROGRAM, Word};
 
-pub(super) fn read(source: &str, found: &mut Found) {
+pub(super) fn read(source: &str, found: &mut LaunchFacts) {
     let tree = match parse(source, &tree_sitter_bash::LANGUAGE.into()) {
         Ok(tree) => tree,
         Err(fault) => return found.faults.push(fault),
@@ -54,9 +54,9 @@ pub(super) fn read(source: &str, found: &mut Found) {
                 runs("rosrun").then_some(false)
             },
             when: if is_conditional(*node) {
-                When::Perhaps
+                CallCondition::Perhaps
             } else {
-                When::Always
+                CallCondition::Always
             },
             words: words.get(at + 1..).unwrap_or_default().to_vec(),
             span: span(*node),

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::*;
 use crate::source::{Confidence, LineIndex, SourceKind};
-use crate::world::launch::Unread;
+use crate::world::launch::ReadObstacle;
 use crate::world::{Claim, Spelling};
 
 fn launched(path: &str, text: &str) -> (Source, Facts) {
@@ -15,7 +15,7 @@ fn launched(path: &str, text: &str) -> (Source, Facts) {
 }
 
 /// `parent from child x y z | roll pitch yaw reading line:text of the first angle`.
-fn told(source: &Source, claim: &Claim) -> String {
+fn claim_text(source: &Source, claim: &Claim) -> String {
     let (parent, child) = claim
         .frames
         .clone()
@@ -37,7 +37,7 @@ fn told(source: &Source, claim: &Claim) -> String {
 
 fn all(path: &str, text: &str) -> Vec<String> {
     let (source, facts) = launched(path, text);
-    facts.claims.iter().map(|claim| told(&source, claim)).collect()
+    facts.claims.iter().map(|claim| claim_text(&source, claim)).collect()
 }
 
 const ONE: &str = "base from laser [1.0, 2.0, 3.0] rpy [0.3, 0.2, 0.1] Certain";
@@ -118,7 +118,7 @@ fn what_is_filled_in_later_is_not_known() {
         assert!(facts.claims.is_empty(), "{text}");
         assert_eq!(
             facts.publishers[0].unread,
-            Some(Unread::Open(what.to_owned())),
+            Some(ReadObstacle::Open(what.to_owned())),
             "{text}"
         );
     }
@@ -186,7 +186,7 @@ fn settings_of_localisation_nodes_are_kept_with_their_places() {
         let (source, facts) = launched(path, text);
         let settings = &facts.localizations[0];
         assert_eq!(settings.node, "navsat");
-        let told: Vec<(String, usize)> = settings
+        let found: Vec<(String, usize)> = settings
             .values
             .iter()
             .map(|(key, value)| {
@@ -197,7 +197,7 @@ fn settings_of_localisation_nodes_are_kept_with_their_places() {
             })
             .collect();
         assert_eq!(
-            told,
+            found,
             [
                 ("magnetic_declination_radians=0.1".to_owned(), 2),
                 ("yaw_offset=1.57".to_owned(), 4)

@@ -17,12 +17,12 @@ struct Origin {
 
 /// A text with the place of each of its bytes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Traced {
+pub(super) struct TracedText {
     text: String,
     origins: Vec<Origin>,
 }
 
-impl Traced {
+impl TracedText {
     /// The text of a value at `span`, letter by letter where it was not changed in reading.
     pub(super) fn new(text: &str, span: Span) -> Self {
         let last = span.end.saturating_sub(1).max(span.start);

@@ -4,17 +4,17 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Attribute, Document, Node, ParsingOptions};
 
-use crate::source::{Place, Placed, Span};
+use crate::source::{Place, SourceValue, Span};
 
-use super::traced::Traced;
-use super::{Call, Found, PROGRAM, When, settings, yaml};
+use super::traced::TracedText;
+use super::{Call, CallCondition, LaunchFacts, PROGRAM, settings, yaml};
 
 /// Deepest nesting of elements that is read.
 const MAX_DEPTH: usize = 1000;
 /// Deepest nesting of substitutions.
 const MAX_NESTING: usize = 8;
 
-pub(super) fn read(text: &str, found: &mut Found) {
+pub(super) fn read(text: &str, found: &mut LaunchFacts) {
     let bom = text.len() - text.trim_start_matches('\u{feff}').len();
     let options = ParsingOptions {
         allow_dtd: true,
@@ -31,7 +31,7 @@ pub(super) fn read(text: &str, found: &mut Found) {
                 args: BTreeMap::new(),
                 found,
             };
-            walk.element(document.root_element(), When::Always, 0);
+            walk.element(document.root_element(), CallCondition::Always, 0);
         }
         Err(error) => {
             let at = error.pos();
@@ -51,16 +51,16 @@ struct Walk<'a> {
     body: &'a str,
     /// Where the body begins in the source's text.
     base: usize,
-    args: BTreeMap<String, Traced>,
-    found: &'a mut Found,
+    args: BTreeMap<String, TracedText>,
+    found: &'a mut LaunchFacts,
 }
 
 impl Walk<'_> {
-    fn element(&mut self, node: Node<'_, '_>, around: When, depth: usize) {
+    fn element(&mut self, node: Node<'_, '_>, around: CallCondition, depth: usize) {
         let when = around.max(self.condition(node));
         match node.tag_name().name() {
             "arg" => self.arg(node, "value", true),
-            "let" if when != When::Off => self.arg(node, "value", when < When::Perhaps),
+            "let" if when != CallCondition::Off => self.arg(node, "value", when < CallCondition::Perhaps),
             "node" => self.node(node, when),
             "executable" => self.executable(node, when),
             // Its arguments belong to another file.
@@ -80,14 +80,14 @@ impl Walk<'_> {
     }
 
     /// An attribute with the place of its letters, substitutions resolved.
-    fn value(&self, node: Node<'_, '_>, name: &str) -> Option<Traced> {
+    fn value(&self, node: Node<'_, '_>, name: &str) -> Option<TracedText> {
         let attribute = node.attribute_node(name)?;
         Some(self.resolved(&self.traced(&attribute), 0))
     }
 
-    fn traced(&self, attribute: &Attribute<'_, '_>) -> Traced {
+    fn traced(&self, attribute: &Attribute<'_, '_>) -> TracedText {
         let range = attribute.range_value();
-        Traced::new(
+        TracedText::new(
             attribute.value(),
             Span::new(self.base + range.start, self.base + range.end),
         )
@@ -97,7 +97,7 @@ impl Walk<'_> {
         let Some(name) = node.attribute("name") else { return };
         let value = match self.value(node, key) {
             Some(value) => Some(value),
-            None => self.value(node, "default").map(Traced::defaulted),
+            None => self.value(node, "default").map(TracedText::defaulted),
         };
         let Some(value) = value else { return };
         let value = if is_sure { value } else { value.opened() };
@@ -105,8 +105,8 @@ impl Walk<'_> {
     }
 
     /// `$(arg x)` and similar substitutions replaced by their values, where these are known.
-    fn resolved(&self, raw: &Traced, nesting: usize) -> Traced {
-        let mut done = Traced::default();
+    fn resolved(&self, raw: &TracedText, nesting: usize) -> TracedText {
+        let mut done = TracedText::default();
         let text = raw.text();
         let mut from = 0;
         while let Some(start) = text.get(from..).and_then(|rest| rest.find("$(")).map(|at| from + at) {
@@ -129,7 +129,7 @@ impl Walk<'_> {
     }
 
     /// The value of the text between `$(` and `)`.
-    fn substitution(&self, inner: &Traced) -> Option<Traced> {
+    fn substitution(&self, inner: &TracedText) -> Option<TracedText> {
         let text = inner.text();
         let (command, rest) = text.trim().split_once(char::is_whitespace)?;
         match command {
@@ -144,8 +144,8 @@ impl Walk<'_> {
     }
 
     /// The condition by `if` and `unless`.
-    fn condition(&self, node: Node<'_, '_>) -> When {
-        let mut when = When::Always;
+    fn condition(&self, node: Node<'_, '_>) -> CallCondition {
+        let mut when = CallCondition::Always;
         for (key, wanted) in [("if", true), ("unless", false)] {
             let Some(value) = self.value(node, key) else { continue };
             let is_true = match value.text().trim().to_lowercase().as_str() {
@@ -155,16 +155,16 @@ impl Walk<'_> {
                 _ => None,
             };
             when = when.max(match is_true {
-                None => When::Perhaps,
-                Some(is_true) if is_true != wanted => When::Off,
-                Some(_) if value.is_default() => When::ByDefault,
-                Some(_) => When::Always,
+                None => CallCondition::Perhaps,
+                Some(is_true) if is_true != wanted => CallCondition::Off,
+                Some(_) if value.is_default() => CallCondition::ByDefault,
+                Some(_) => CallCondition::Always,
             });
         }
         when
     }
 
-    fn node(&mut self, node: Node<'_, '_>, when: When) {
+    fn node(&mut self, node: Node<'_, '_>, when: CallCondition) {
         let program = node
             .attribute("type")
             .or_else(|| node.attribute("exec"))
@@ -182,7 +182,7 @@ impl Walk<'_> {
                 words: self.value(node, "args").map(|args| args.words()).unwrap_or_default(),
                 span: self.span(node),
             });
-        } else if package.as_deref() == Some("robot_localization") && when != When::Off {
+        } else if package.as_deref() == Some("robot_localization") && when != CallCondition::Off {
             self.settings(node, name.unwrap_or_else(|| program.to_owned()));
         }
     }
@@ -197,7 +197,7 @@ impl Walk<'_> {
                         && !word.is_open
                     {
                         let place = Place::text(self.found.source, word.span);
-                        values.push((key.to_owned(), Placed::new(word.text, place)));
+                        values.push((key.to_owned(), SourceValue::new(word.text, place)));
                     }
                 }
                 "rosparam" => {
@@ -216,7 +216,7 @@ impl Walk<'_> {
     }
 
     /// `<executable cmd="ros2 run tf2_ros static_transform_publisher ..."/>`.
-    fn executable(&mut self, node: Node<'_, '_>, when: When) {
+    fn executable(&mut self, node: Node<'_, '_>, when: CallCondition) {
         let Some(command) = self.value(node, "cmd") else { return };
         let mut words = command.words();
         let Some(at) = words.iter().position(|word| word.text.ends_with(PROGRAM)) else {

@@ -3,18 +3,18 @@
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
-use crate::source::{Place, Placed, SourceId, Span};
+use crate::source::{Place, SourceId, SourceValue, Span};
 use crate::world::Facts;
 
-use super::traced::Traced;
-use super::{Call, Found, PROGRAM, When, settings};
+use super::traced::TracedText;
+use super::{Call, CallCondition, LaunchFacts, PROGRAM, settings};
 
 /// Deeper values are not read.
 const MAX_DEPTH: usize = 32;
 
 /// What a document states about launched publishers and settings. Spans count in `text`.
 pub(crate) fn collect(root: &Node, text: &str, source: SourceId) -> Facts {
-    let mut found = Found::new(source);
+    let mut found = LaunchFacts::new(source);
     if let Some(items) = root.get("launch").and_then(Node::items) {
         for item in items {
             launched(item, text, &mut found);
@@ -25,7 +25,7 @@ pub(crate) fn collect(root: &Node, text: &str, source: SourceId) -> Facts {
 }
 
 /// `- node: {pkg: tf2_ros, exec: static_transform_publisher, args: "..."}`, perhaps in a group.
-fn launched(item: &Node, text: &str, found: &mut Found) {
+fn launched(item: &Node, text: &str, found: &mut LaunchFacts) {
     if let Some(items) = item.get("group").and_then(Node::items) {
         for item in items.iter().filter(|item| item.get("node").is_some()) {
             launched(item, text, found);
@@ -41,7 +41,7 @@ fn launched(item: &Node, text: &str, found: &mut Found) {
     let words = node.get("args").map_or_else(Vec::new, |args| {
         let written = args.text().unwrap_or_default();
         let start = args.text_start(text).unwrap_or(args.span.start);
-        let traced = Traced::new(written, Span::new(start, args.span.end.max(start)));
+        let traced = TracedText::new(written, Span::new(start, args.span.end.max(start)));
         let mut words = traced.words();
         for word in &mut words {
             word.is_open = word.text.contains("$(");
@@ -53,7 +53,11 @@ fn launched(item: &Node, text: &str, found: &mut Found) {
         name: of("name"),
         package: of("pkg"),
         is_ros2: Some(true),
-        when: if has_condition { When::Perhaps } else { When::Always },
+        when: if has_condition {
+            CallCondition::Perhaps
+        } else {
+            CallCondition::Always
+        },
         words,
         span: node.span,
     });
@@ -72,7 +76,7 @@ fn is_of_a_filter(key: &str) -> bool {
 }
 
 /// Settings of filters and of `navsat_transform_node`, anywhere in the document. `name` is the key above.
-fn filters(node: &Node, name: &str, found: &mut Found, depth: usize) {
+fn filters(node: &Node, name: &str, found: &mut LaunchFacts, depth: usize) {
     let keys = || node.pairs().iter().filter_map(|(key, _)| key.text());
     let is_navsat = keys().any(|key| key == "magnetic_declination_radians")
         || keys().any(|key| key == "yaw_offset")
@@ -93,7 +97,7 @@ fn filters(node: &Node, name: &str, found: &mut Found, depth: usize) {
     }
 }
 
-fn values_of(node: &Node, source: SourceId) -> Vec<(String, Placed<String>)> {
+fn values_of(node: &Node, source: SourceId) -> Vec<(String, SourceValue<String>)> {
     let of = |(key, value): &(Node, Node)| {
         let text = match value.items() {
             Some(items) => items.iter().filter_map(Node::text).collect::<Vec<_>>().join(" "),
@@ -101,14 +105,14 @@ fn values_of(node: &Node, source: SourceId) -> Vec<(String, Placed<String>)> {
         };
         Some((
             key.text()?.to_owned(),
-            Placed::new(text, Place::text(source, value.span)),
+            SourceValue::new(text, Place::text(source, value.span)),
         ))
     };
     node.pairs().iter().filter_map(of).collect()
 }
 
 /// The settings in a text that begins at `base` in its source.
-pub(super) fn values(raw: &str, base: usize, source: SourceId) -> Vec<(String, Placed<String>)> {
+pub(super) fn values(raw: &str, base: usize, source: SourceId) -> Vec<(String, SourceValue<String>)> {
     let documents = events::build(raw, &OffsetMap::starting_at(base));
     documents
         .roots

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::content::{Body, Content};
-use super::definition::{Carried, Definitions, Layout, Schema, plain_name};
+use super::definition::{Definitions, Layout, Schema, TypeDefinition, plain_name};
 use super::format::Format;
 use super::header::Header;
 use super::route::Route;
@@ -15,12 +15,12 @@ use super::{DecodeError, Wire, foxglove};
 /// Reads the messages of one channel.
 #[derive(Clone, Debug)]
 pub struct Decoder {
-    way: Way,
+    way: DecodeMethod,
     note: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Way {
+enum DecodeMethod {
     /// By its published layout.
     Standard(Wire, Standard),
     /// Only a header.
@@ -41,17 +41,19 @@ impl Decoder {
     /// in it. The definition is the recording's own; else one of `definitions`.
     pub fn of(format: &Format<'_>, definitions: &Definitions) -> Self {
         if let Some(reader) = foxglove::Reader::of(format) {
-            return Self::new(reader.map_or_else(Way::unread, |reader| Way::Foxglove(Box::new(reader))));
+            return Self::new(
+                reader.map_or_else(DecodeMethod::unread, |reader| DecodeMethod::Foxglove(Box::new(reader))),
+            );
         }
         let Some(wire) = Wire::named(format.message_encoding) else {
             let encoding = named(format.message_encoding, "unnamed");
-            return Self::new(Way::unread(format!("{encoding} messages are not read")));
+            return Self::new(DecodeMethod::unread(format!("{encoding} messages are not read")));
         };
         let name = plain_name(format.message_type);
-        let carried = Carried::read(&name, format.schema, format.schema_encoding);
+        let carried = TypeDefinition::read(&name, format.schema, format.schema_encoding);
         let types = match &carried {
-            Carried::Types(types) => Some(types),
-            Carried::Nothing | Carried::Unread(_) => None,
+            TypeDefinition::Types(types) => Some(types),
+            TypeDefinition::Nothing | TypeDefinition::Unread(_) => None,
         };
         let schema = Schema::link(&name, types, definitions);
         if let Some(standard) = Standard::of(&name, format.topic_word()) {
@@ -60,29 +62,29 @@ impl Decoder {
                 Schema::published(&name).is_some_and(|published| schema.layout(&published, wire) == Layout::Different)
             };
             return match schema.filter(|schema| is_defined && differs(schema)) {
-                None => Self::new(Way::Standard(wire, standard)),
+                None => Self::new(DecodeMethod::Standard(wire, standard)),
                 Some(schema) => Self::otherwise(&name, wire, schema),
             };
         }
         let Some(schema) = schema else {
             let of = named(format.message_type, "the type");
             return Self::new(match carried {
-                Carried::Unread(why) => Way::unread(why),
-                Carried::Types(_) | Carried::Nothing => Way::Unread {
+                TypeDefinition::Unread(why) => DecodeMethod::unread(why),
+                TypeDefinition::Types(_) | TypeDefinition::Nothing => DecodeMethod::Unread {
                     why: format!("the recording holds no definition of {of}"),
                     lacks_definition: true,
                 },
             });
         };
-        Self::new(Way::by_definition(wire, schema))
+        Self::new(DecodeMethod::by_definition(wire, schema))
     }
 
     /// A standard type whose definition differs from the published one: its header can still be read, its content cannot.
     fn otherwise(name: &str, wire: Wire, schema: Schema) -> Self {
         let differs = format!("its definition of {name} differs from the published one");
-        match Way::by_definition(wire, schema) {
-            Way::Nothing => Self::new(Way::unread(differs)),
-            Way::Unread { why, .. } => Self::new(Way::unread(format!("{differs}, and {why}"))),
+        match DecodeMethod::by_definition(wire, schema) {
+            DecodeMethod::Nothing => Self::new(DecodeMethod::unread(differs)),
+            DecodeMethod::Unread { why, .. } => Self::new(DecodeMethod::unread(format!("{differs}, and {why}"))),
             way => Self {
                 way,
                 note: Some(format!("{differs}: only headers are read")),
@@ -92,25 +94,25 @@ impl Decoder {
 
     /// A decoder that reads nothing, for a reason.
     pub(super) fn refusing(why: String) -> Self {
-        Self::new(Way::unread(why))
+        Self::new(DecodeMethod::unread(why))
     }
 
     /// How many fields of definitions are kept.
     pub(super) fn fields(&self) -> usize {
         match &self.way {
-            Way::Route(_, route) => route.fields(),
+            DecodeMethod::Route(_, route) => route.fields(),
             _ => 0,
         }
     }
 
-    fn new(way: Way) -> Self {
+    fn new(way: DecodeMethod) -> Self {
         Self { way, note: None }
     }
 
     /// Why nothing inside the messages can be read; `None` if they can, or if they contain nothing to read.
     pub fn unread(&self) -> Option<&str> {
         match &self.way {
-            Way::Unread { why, .. } => Some(why),
+            DecodeMethod::Unread { why, .. } => Some(why),
             _ => None,
         }
     }
@@ -119,7 +121,7 @@ impl Decoder {
     pub fn lacks_definition(&self) -> bool {
         matches!(
             self.way,
-            Way::Unread {
+            DecodeMethod::Unread {
                 lacks_definition: true,
                 ..
             }
@@ -134,19 +136,19 @@ impl Decoder {
     /// Reads one message.
     pub fn decode<'m>(&self, message: &'m [u8]) -> Result<Content<'m>, DecodeError> {
         match &self.way {
-            Way::Standard(wire, standard) => standard.read(wire.open(message)?),
-            Way::Header(wire) => {
+            DecodeMethod::Standard(wire, standard) => standard.read(wire.open(message)?),
+            DecodeMethod::Header(wire) => {
                 let header = Header::read(&mut wire.open(message)?)?;
                 Ok(Content::new(Some(header), Body::Nothing))
             }
-            Way::Foxglove(reader) => reader.decode(message),
-            Way::Route(wire, route) => route.read(wire.open(message)?),
-            Way::Nothing | Way::Unread { .. } => Ok(Content::new(None, Body::Nothing)),
+            DecodeMethod::Foxglove(reader) => reader.decode(message),
+            DecodeMethod::Route(wire, route) => route.read(wire.open(message)?),
+            DecodeMethod::Nothing | DecodeMethod::Unread { .. } => Ok(Content::new(None, Body::Nothing)),
         }
     }
 }
 
-impl Way {
+impl DecodeMethod {
     fn by_definition(wire: Wire, schema: Schema) -> Self {
         match Route::of(schema, wire) {
             Ok(None) => Self::Nothing,

@@ -213,7 +213,7 @@ struct Plan<'s> {
 }
 
 /// Which fields of a type belong to guesses: its place, the guess, where the numbers belong.
-type Guessed = Vec<(usize, usize, Slot)>;
+type Guesses = Vec<(usize, usize, Slot)>;
 
 impl Plan<'_> {
     fn want(&mut self, item: Item) {
@@ -231,7 +231,7 @@ impl Plan<'_> {
     }
 
     /// Notes what the plain fields of a type mean together.
-    fn guess(&mut self, fields: &[Field], prefix: &str) -> Guessed {
+    fn guess(&mut self, fields: &[Field], prefix: &str) -> Guesses {
         let mut guessed = Vec::new();
         for guess in guess::of(self.schema, fields, prefix, self.wire) {
             if self.members < MAX_MEMBERS {
@@ -244,7 +244,7 @@ impl Plan<'_> {
     }
 
     /// Takes in a field of the message itself, or of a type in it whose name is `prefix`.
-    fn field(&mut self, at: usize, field: &Field, prefix: &str, guessed: &Guessed) {
+    fn field(&mut self, at: usize, field: &Field, prefix: &str, guessed: &Guesses) {
         if let Some((_, guess, slot)) = guessed.iter().find(|(place, ..)| *place == at) {
             return self.want(Item::Plain(*guess, *slot));
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::UnitQuaternion;
 
-use crate::source::{Confidence, Placed};
+use crate::source::{Confidence, SourceValue};
 use crate::world::claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 use crate::world::robot::{Joint, JointLimit, NumberList, Origin};
 use crate::world::{FrameId, FrameRole};
@@ -139,7 +139,7 @@ impl Reader<'_> {
 }
 
 /// The link that an end of a joint names; `None` if it has no name.
-fn end(element: &Element<'_>, which: &str) -> Option<Placed<String>> {
+fn end(element: &Element<'_>, which: &str) -> Option<SourceValue<String>> {
     attribute(&element.child(which)?, "link")
 }
 

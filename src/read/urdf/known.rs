@@ -6,13 +6,13 @@
 
 use std::collections::BTreeSet;
 
-use crate::source::Placed;
-use crate::world::robot::Ignored;
+use crate::source::SourceValue;
+use crate::world::robot::IgnoredItem;
 
 use super::xml::Element;
 
 /// What is read of one element.
-struct Known {
+struct ElementSpec {
     /// Attributes that are read.
     attributes: &'static [&'static str],
     /// Elements inside that are read.
@@ -25,7 +25,7 @@ struct Known {
     aliases: &'static [(&'static str, &'static str)],
 }
 
-const NOTHING: Known = Known {
+const NOTHING: ElementSpec = ElementSpec {
     attributes: &[],
     elements: &[],
     many: &[],
@@ -34,10 +34,10 @@ const NOTHING: Known = Known {
 };
 
 /// What is read of the elements that the reader knows.
-static KNOWN: &[(&str, Known)] = &[
+static KNOWN: &[(&str, ElementSpec)] = &[
     (
         "robot",
-        Known {
+        ElementSpec {
             attributes: &["name", "version"],
             elements: &[
                 "link",
@@ -63,7 +63,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "link",
-        Known {
+        ElementSpec {
             attributes: &["name"],
             elements: &["inertial", "visual", "collision"],
             many: &["visual", "collision"],
@@ -73,7 +73,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "joint",
-        Known {
+        ElementSpec {
             attributes: &["name", "type"],
             elements: &[
                 "origin",
@@ -91,7 +91,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "origin",
-        Known {
+        ElementSpec {
             attributes: &["xyz", "rpy", "quat_xyzw"],
             aliases: &[
                 ("position", "xyz"),
@@ -113,28 +113,28 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "inertial",
-        Known {
+        ElementSpec {
             elements: &["origin", "mass", "inertia"],
             ..NOTHING
         },
     ),
     (
         "mass",
-        Known {
+        ElementSpec {
             attributes: &["value"],
             ..NOTHING
         },
     ),
     (
         "inertia",
-        Known {
+        ElementSpec {
             attributes: &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"],
             ..NOTHING
         },
     ),
     (
         "visual",
-        Known {
+        ElementSpec {
             attributes: &["name"],
             elements: &["origin", "geometry", "material"],
             ..NOTHING
@@ -142,7 +142,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "collision",
-        Known {
+        ElementSpec {
             attributes: &["name"],
             elements: &["origin", "geometry"],
             foreign: &["material", "verbose"],
@@ -151,7 +151,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "geometry",
-        Known {
+        ElementSpec {
             elements: &["box", "sphere", "cylinder", "capsule", "mesh"],
             foreign: &["name", "plane", "cdf", "sdf", "cone"],
             ..NOTHING
@@ -159,21 +159,21 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "box",
-        Known {
+        ElementSpec {
             attributes: &["size"],
             ..NOTHING
         },
     ),
     (
         "sphere",
-        Known {
+        ElementSpec {
             attributes: &["radius"],
             ..NOTHING
         },
     ),
     (
         "cylinder",
-        Known {
+        ElementSpec {
             attributes: &["radius", "length"],
             aliases: &[("height", "length"), ("r", "radius")],
             ..NOTHING
@@ -181,7 +181,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "capsule",
-        Known {
+        ElementSpec {
             attributes: &["radius", "length"],
             aliases: &[("height", "length"), ("r", "radius")],
             ..NOTHING
@@ -189,7 +189,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "mesh",
-        Known {
+        ElementSpec {
             attributes: &["filename", "scale"],
             aliases: &[("file", "filename"), ("uri", "filename"), ("url", "filename")],
             ..NOTHING
@@ -197,7 +197,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "axis",
-        Known {
+        ElementSpec {
             attributes: &["xyz"],
             // Written by exporters next to `xyz`, and read by no parser.
             foreign: &["rpy"],
@@ -206,7 +206,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "limit",
-        Known {
+        ElementSpec {
             attributes: &[
                 "lower",
                 "upper",
@@ -228,14 +228,14 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "mimic",
-        Known {
+        ElementSpec {
             attributes: &["joint", "multiplier", "offset"],
             ..NOTHING
         },
     ),
     (
         "parent",
-        Known {
+        ElementSpec {
             attributes: &["link"],
             aliases: &[("name", "link"), ("frame", "link")],
             ..NOTHING
@@ -243,7 +243,7 @@ static KNOWN: &[(&str, Known)] = &[
     ),
     (
         "child",
-        Known {
+        ElementSpec {
             attributes: &["link"],
             aliases: &[("name", "link"), ("frame", "link")],
             ..NOTHING
@@ -253,7 +253,7 @@ static KNOWN: &[(&str, Known)] = &[
 
 /// The names in `element` that a consumer silently ignores. At the top of a robot only those similar to a known name are
 /// listed: many elements of other tools are there.
-pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
+pub(super) fn ignored(element: &Element<'_>) -> Vec<IgnoredItem> {
     let parent = element.name();
     let Some((_, known)) = KNOWN.iter().find(|(name, _)| *name == parent) else {
         return Vec::new();
@@ -273,9 +273,9 @@ pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
         }
         let meant = meant(attribute.name, known.attributes, known.foreign, known.aliases)
             .filter(|near| !written.contains(near));
-        found.push(Ignored {
+        found.push(IgnoredItem {
             what: "attribute".to_owned(),
-            name: Placed::new(attribute.name.to_owned(), attribute.name_place.clone()),
+            name: SourceValue::new(attribute.name.to_owned(), attribute.name_place.clone()),
             parent: parent.to_owned(),
             meant: meant.map(str::to_owned),
         });
@@ -288,9 +288,9 @@ pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
         }
         let meant = meant(name, known.elements, known.foreign, &[])
             .filter(|near| known.many.contains(near) || !inside.contains(near));
-        found.push(Ignored {
+        found.push(IgnoredItem {
             what: "element".to_owned(),
-            name: Placed::new(name.to_owned(), child.name_place()),
+            name: SourceValue::new(name.to_owned(), child.name_place()),
             parent: parent.to_owned(),
             meant: meant.map(str::to_owned),
         });

@@ -21,7 +21,7 @@ use crate::world::Facts;
 use crate::world::robot::ConsumerOpinion;
 
 use self::reader::Reader;
-use self::repair::Repaired;
+use self::repair::RepairedText;
 use self::xml::{Element, Text, Top};
 
 pub use self::mesh::MeshLookup;
@@ -154,7 +154,7 @@ fn read_root(
 /// What is put around a part without a root element.
 const WRAP: &str = "<robot>";
 
-fn wrap(repaired: &Repaired, needed: bool) -> std::borrow::Cow<'_, str> {
+fn wrap(repaired: &RepairedText, needed: bool) -> std::borrow::Cow<'_, str> {
     if needed {
         format!("{WRAP}{}</robot>", repaired.text).into()
     } else {

@@ -4,7 +4,7 @@
 //! locale; the piece must end with the number. NaN and infinities are kept as values: rules decide whether they are
 //! right. Must not know elements.
 
-use crate::source::{Placed, Span};
+use crate::source::{SourceValue, Span};
 use crate::world::claim::Literal;
 use crate::world::robot::NumberList;
 
@@ -21,7 +21,7 @@ pub(super) fn number_list(attribute: &Attribute<'_>, expected: usize) -> NumberL
     let literals = pieces(attribute);
     NumberList {
         attribute: attribute.name.into(),
-        text: Placed::new(text.into(), attribute.place()),
+        text: SourceValue::new(text.into(), attribute.place()),
         malformed: malformed(text, &literals, expected),
         literals,
         expected,

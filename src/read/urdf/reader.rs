@@ -5,8 +5,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
-use crate::source::{Place, Placed, SourceId};
-use crate::world::robot::{ConsumerOpinion, Ignored, NumberList, Origin, Repeated, Robot};
+use crate::source::{Place, SourceId, SourceValue};
+use crate::world::robot::{ConsumerOpinion, IgnoredItem, NumberList, Origin, RepeatedItem, Robot};
 use crate::world::{Claim, Facts, FrameId, FrameRole, FrameUse};
 
 use super::known;
@@ -114,9 +114,9 @@ impl<'a> Reader<'a> {
             self.robot.malformed.push(list.clone());
         }
         if let Some(attribute) = element.attribute("quat_xyzw").filter(|_| !self.reads_quaternions()) {
-            self.robot.ignored.push(Ignored {
+            self.robot.ignored.push(IgnoredItem {
                 what: "attribute".to_owned(),
-                name: Placed::new(attribute.name.to_owned(), attribute.name_place),
+                name: SourceValue::new(attribute.name.to_owned(), attribute.name_place),
                 parent: element.name().to_owned(),
                 // Spelled correctly, but the robot's version is too low for it.
                 meant: None,
@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
                 continue;
             }
             let places: Vec<Place> = named().map(|child| child.place()).collect();
-            self.robot.repeated.push(Repeated {
+            self.robot.repeated.push(RepeatedItem {
                 element: (*name).to_owned(),
                 owner: owner.to_string(),
                 places,
@@ -168,7 +168,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Keeps a use of a frame name.
-    pub(super) fn frame(&mut self, role: FrameRole, name: &Placed<String>) {
+    pub(super) fn frame(&mut self, role: FrameRole, name: &SourceValue<String>) {
         self.frames
             .entry((role, FrameId::new(name.value.as_str())))
             .or_insert_with(|| (name.place.clone(), 0))
@@ -190,7 +190,7 @@ impl<'a> Reader<'a> {
                 ("sensor", "parent") => attribute(&element, "link"),
                 (_, "frameName" | "frame_name" | "frame_id" | "gz_frame_id" | "ignition_frame_id") => {
                     in_sensor(&element)
-                        .then(|| element.words().map(|(name, place)| Placed::new(name, place)))
+                        .then(|| element.words().map(|(name, place)| SourceValue::new(name, place)))
                         .flatten()
                         // Gazebo's own origin, in which contact sensors report: not a frame of the robot.
                         .filter(|name| name.value != "world")
@@ -230,15 +230,15 @@ fn push_children<'a>(stack: &mut Vec<(Element<'a>, bool)>, element: &Element<'a>
 }
 
 /// The value of an attribute; empty at the start tag where it is missing.
-pub(super) fn placed(element: &Element<'_>, name: &str) -> Placed<String> {
-    attribute(element, name).unwrap_or_else(|| Placed::new(String::new(), element.tag_place()))
+pub(super) fn placed(element: &Element<'_>, name: &str) -> SourceValue<String> {
+    attribute(element, name).unwrap_or_else(|| SourceValue::new(String::new(), element.tag_place()))
 }
 
 /// The value of an attribute, if it exists.
-pub(super) fn attribute(element: &Element<'_>, name: &str) -> Option<Placed<String>> {
+pub(super) fn attribute(element: &Element<'_>, name: &str) -> Option<SourceValue<String>> {
     element.attribute(name).map(|attribute| {
         let place = attribute.place();
-        Placed::new(attribute.value.into_owned(), place)
+        SourceValue::new(attribute.value.into_owned(), place)
     })
 }
 

@@ -9,7 +9,7 @@ use crate::source::Span;
 
 /// A text that a strict parser accepts, and what the repair found.
 #[derive(Debug, Default)]
-pub(super) struct Repaired {
+pub(super) struct RepairedText {
     /// The text, of the same length as the original. Colons in names are underscores: read names from the original.
     pub(super) text: String,
     /// Names of the elements at the top, as written, with their places.
@@ -21,7 +21,7 @@ pub(super) struct Repaired {
 }
 
 /// Repairs `text`; see the module's head.
-pub(super) fn repair(text: &str) -> Repaired {
+pub(super) fn repair(text: &str) -> RepairedText {
     let mut lexer = Lexer {
         text,
         out: text.as_bytes().to_vec(),
@@ -29,7 +29,7 @@ pub(super) fn repair(text: &str) -> Repaired {
         open: 0,
         elements: 0,
         parts: 0,
-        report: Repaired::default(),
+        report: RepairedText::default(),
     };
     let end = text.find('\0').unwrap_or(text.len());
     lexer.blank(end..text.len());
@@ -76,7 +76,7 @@ struct Lexer<'a> {
     elements: usize,
     /// Links and joints among them.
     parts: usize,
-    report: Repaired,
+    report: RepairedText,
 }
 
 impl Lexer<'_> {

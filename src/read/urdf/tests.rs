@@ -16,27 +16,27 @@ use crate::world::robot::Robot;
 use crate::world::{Claim, Facts, FrameRole};
 
 /// A text and what was read of it.
-struct Read {
+struct UrdfResult {
     source: Source,
     facts: Facts,
 }
 
-fn read_with(text: &str, meshes: &MeshLookup) -> Read {
+fn read_with(text: &str, meshes: &MeshLookup) -> UrdfResult {
     let mut source = Source::new(SourceId(7), "robot.urdf", SourceKind::Urdf);
     source.text = text.to_owned();
     let facts = read(&mut source, meshes);
-    Read { source, facts }
+    UrdfResult { source, facts }
 }
 
-fn read_text(text: &str) -> Read {
+fn read_text(text: &str) -> UrdfResult {
     read_with(text, &MeshLookup::default())
 }
 
-fn read_xacro(text: &str) -> Read {
+fn read_xacro(text: &str) -> UrdfResult {
     let mut source = Source::new(SourceId(7), "robot.urdf.xacro", SourceKind::Xacro);
     source.text = text.to_owned();
     let facts = read_unexpanded(&mut source, &MeshLookup::default());
-    Read { source, facts }
+    UrdfResult { source, facts }
 }
 
 /// Two links and a joint between them, with these elements inside.
@@ -47,7 +47,7 @@ fn joint_with(inside: &str) -> String {
     )
 }
 
-impl Read {
+impl UrdfResult {
     fn robot(&self) -> &Robot {
         &self.facts.robots[0]
     }

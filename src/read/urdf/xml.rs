@@ -8,7 +8,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::source::{LineIndex, Place, SourceId, Span};
 
-use super::repair::{self, Repaired};
+use super::repair::{self, RepairedText};
 
 /// The root of a text.
 #[derive(Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ const PARTS: [&str; 14] = [
 ];
 
 /// Judges the top of a text by its elements. A xacro file may have any root: the one of the including file counts.
-pub(super) fn top(repaired: &Repaired, xacro: bool) -> Top {
+pub(super) fn top(repaired: &RepairedText, xacro: bool) -> Top {
     let Some((name, span)) = repaired.tops.first() else {
         return Top::Other("contains no XML element".to_owned(), None, None);
     };

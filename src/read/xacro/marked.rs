@@ -13,8 +13,8 @@ use roxmltree::Node;
 
 use super::super::allowed::AllowedFolders;
 use super::super::urdf;
-use crate::files::Temporary;
-use crate::source::{Place, SourceId, Span, Written};
+use crate::files::TempPath;
+use crate::source::{ExpansionPart, Place, SourceId, Span};
 
 /// The attribute that is the mark: `file:offset`.
 const MARK: &str = "frames-lint-at";
@@ -36,7 +36,7 @@ pub struct Template {
 
 /// The marked copies of a file, the first, and of those that it includes. They are deleted with this value.
 pub(super) struct Copies {
-    folder: Temporary,
+    folder: TempPath,
     templates: Vec<Template>,
     allowed: AllowedFolders,
 }
@@ -45,7 +45,7 @@ impl Copies {
     /// `None` where the file cannot be copied, or is not XML.
     pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>, allowed: &AllowedFolders) -> Option<Self> {
         let mut copies = Self {
-            folder: Temporary::folder().ok()?,
+            folder: TempPath::folder().ok()?,
             templates: Vec::new(),
             allowed: allowed.clone(),
         };
@@ -173,7 +173,7 @@ impl Copies {
     }
 
     /// The expansion without its marks, and where it is written: ids of sources are numbers of templates.
-    pub(super) fn unmarked(self, marked: &str) -> (String, Vec<Written>, Vec<Template>) {
+    pub(super) fn unmarked(self, marked: &str) -> (String, Vec<ExpansionPart>, Vec<Template>) {
         let marked = self.with_files(marked);
         let open = format!(" {MARK}=\"");
         let mut text = String::with_capacity(marked.len());
@@ -250,7 +250,7 @@ fn tag(node: &Node<'_, '_>, text: &str) -> Span {
 }
 
 /// Where the elements of an expansion are written, their start tags, and their attributes.
-fn written(text: &str, marks: &[(usize, (usize, usize))], templates: &[Template]) -> Option<Vec<Written>> {
+fn written(text: &str, marks: &[(usize, (usize, usize))], templates: &[Template]) -> Option<Vec<ExpansionPart>> {
     let document = urdf::parse_strict(text)?;
     let parsed: Vec<_> = templates
         .iter()
@@ -280,7 +280,7 @@ fn written(text: &str, marks: &[(usize, (usize, usize))], templates: &[Template]
         };
         let source = SourceId(u32::try_from(*file).unwrap_or(u32::MAX));
         let mut add = |span: Span, at: Span| {
-            all.push(Written {
+            all.push(ExpansionPart {
                 span,
                 place: Place::text(source, at),
             });

@@ -13,11 +13,11 @@ use crate::tables::views;
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Measured, Outcome, Row};
 
-use super::super::terminal::Spelled;
+use super::super::terminal::NumberText;
 use super::super::text::plural;
 use super::findings;
-use super::plots::Drawn;
-use super::shown::Shown;
+use super::plots::PlotMarkup;
+use super::shown::ShownFindings;
 use super::words::{badge, outcome, plain, rank, words};
 use super::{Page, summary};
 
@@ -58,7 +58,7 @@ struct Item<'a> {
 }
 
 /// The list with the filter.
-pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
+pub(super) fn render(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup) -> Option<Markup> {
     let run = page.run;
     if run.verdict.rows.is_empty() {
         return None;
@@ -161,8 +161,8 @@ fn choice(page: &Page) -> Markup {
 /// One rule with its items.
 fn group(
     page: &Page,
-    shown: &Shown,
-    drawn: &Drawn,
+    shown: &ShownFindings,
+    drawn: &PlotMarkup,
     (code, rule): (&str, Option<&page::Page>),
     items: Option<&Vec<Item>>,
     room: &mut usize,
@@ -287,7 +287,7 @@ fn subject(page: &Page, item: &Item) -> Markup {
     html! { (words(subject)) " in " (plural(item.times, "recording")) }
 }
 
-fn evidence(page: &Page, shown: &Shown, drawn: &Drawn, item: &Item) -> Markup {
+fn evidence(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup, item: &Item) -> Markup {
     let (index, row) = (item.index, item.row);
     let findings = page.findings_of(&row.rule, &row.subject);
     html! {
@@ -315,7 +315,7 @@ fn evidence(page: &Page, shown: &Shown, drawn: &Drawn, item: &Item) -> Markup {
 }
 
 fn number(measured: &Measured) -> Markup {
-    let spelled = Spelled::new(measured);
+    let spelled = NumberText::new(measured);
     let mut rest = String::new();
     for (name, value) in [("limit", &spelled.limit), ("spread", &spelled.spread)] {
         if let Some(value) = value {

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::source::{At, Confidence, Place};
+use crate::source::{Confidence, Place, SourcePart};
 use crate::verdict::{Finding, Fix, Label, Measured, Safety, Severity};
 
-use super::super::terminal::{Spelled, message_words};
+use super::super::terminal::{NumberText, message_words};
 use super::super::text::plural;
-use super::plots::Drawn;
-use super::shown::Shown;
+use super::plots::PlotMarkup;
+use super::shown::ShownFindings;
 use super::words::{badge, plain, words};
 use super::{Page, snippet, summary};
 
@@ -20,13 +20,13 @@ const MAX_MEASURED: usize = 20;
 const MAX_EDITS: usize = 12;
 
 /// The findings that are not accepted.
-pub(super) fn open(page: &Page, shown: &Shown, drawn: &Drawn) -> Markup {
+pub(super) fn open(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup) -> Markup {
     let part = part(page, shown, drawn, |finding| finding.waived.is_none());
     part.unwrap_or_else(|| html! { p { "No findings." } })
 }
 
 /// The accepted findings, which do not count.
-pub(super) fn waived(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
+pub(super) fn waived(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup) -> Option<Markup> {
     let part = part(page, shown, drawn, |finding| finding.waived.is_some())?;
     Some(html! {
         p class="hint" { "These findings are accepted and do not count. Signing this report accepts them as well." }
@@ -34,7 +34,7 @@ pub(super) fn waived(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
     })
 }
 
-fn part(page: &Page, shown: &Shown, drawn: &Drawn, is_meant: impl Fn(&Finding) -> bool) -> Option<Markup> {
+fn part(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup, is_meant: impl Fn(&Finding) -> bool) -> Option<Markup> {
     let findings: Vec<(usize, &Finding)> = page
         .run
         .verdict
@@ -102,7 +102,7 @@ fn line(page: &Page, number: usize, finding: &Finding) -> Markup {
     }
 }
 
-fn full(page: &Page, drawn: &Drawn, number: usize, finding: &Finding) -> Markup {
+fn full(page: &Page, drawn: &PlotMarkup, number: usize, finding: &Finding) -> Markup {
     let (class, _) = look(finding);
     html! {
         article class={ "finding " (class) } id={ "finding-" (number + 1) } {
@@ -148,7 +148,7 @@ fn places(page: &Page, labels: &[Label]) -> Markup {
 /// `robot.urdf:12:5`, `drive.mcap /tf message 3, stamp ...`.
 pub(super) fn place(page: &Page, place: &Place) -> String {
     match &place.at {
-        At::Message(message) => {
+        SourcePart::Message(message) => {
             let path = page.locator.find(place).path;
             plain(&format!("{path} {}", message_words(message)))
         }
@@ -172,7 +172,7 @@ fn numbers(measured: &[Measured]) -> Markup {
                 }
                 tbody {
                     @for one in shown {
-                        @let spelled = Spelled::new(one);
+                        @let spelled = NumberText::new(one);
                         tr {
                             th scope="row" { (words(&one.what)) }
                             td { strong { (plain(&spelled.value)) } }

@@ -99,7 +99,7 @@ fn fault(page: &Page, problem: &Problem) -> Markup {
     html! {
         div class="problem" {
             p { (words(&problem.message)) }
-            @if problem.place.at != crate::source::At::Whole { p { code { (place(page, &problem.place)) } } }
+            @if problem.place.at != crate::source::SourcePart::Whole { p { code { (place(page, &problem.place)) } } }
             @if let Some(lines) = snippet::render(&problem.place, &page.locator) { (lines) }
             @if let Some(help) = &problem.help { p { span class="label" { "What to do: " } (words(help)) } }
         }

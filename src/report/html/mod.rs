@@ -87,8 +87,8 @@ impl<'a> Page<'a> {
 /// The whole page.
 pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let page = Page::new(run, fail_on, call);
-    let shown = shown::Shown::new(run);
-    let drawn = plots::Drawn::new(&page, &shown);
+    let shown = shown::ShownFindings::new(run);
+    let drawn = plots::PlotMarkup::new(&page, &shown);
     let parts = [
         ("decision", "Decision", Some(summary::decision(&page))),
         ("required", "Requirements not met", summary::required(&page)),

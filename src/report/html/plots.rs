@@ -13,7 +13,7 @@ use crate::verdict::plot::{Axis, Kind, Plot};
 use super::super::text::{number, plural};
 use super::Page;
 use super::scale::{Scale, place, range};
-use super::shown::Shown;
+use super::shown::ShownFindings;
 use super::words::{badge, outcome, plain, rank, words};
 
 /// Maximum number of plots in a report; more are only counted.
@@ -39,16 +39,16 @@ const FLATTEST: f64 = 200.0;
 const LOOKS: usize = 4;
 
 /// The plots of a run as they are drawn.
-pub(super) struct Drawn {
+pub(super) struct PlotMarkup {
     of_finding: BTreeMap<usize, Vec<Markup>>,
     others: Vec<Markup>,
     ids: BTreeMap<usize, Vec<String>>,
     left: usize,
 }
 
-impl Drawn {
+impl PlotMarkup {
     /// Draws as many as allowed, those of failed checks first.
-    pub(super) fn new(page: &Page, shown: &Shown) -> Self {
+    pub(super) fn new(page: &Page, shown: &ShownFindings) -> Self {
         let run = page.run;
         let mut drawn = Self {
             of_finding: BTreeMap::new(),

@@ -12,12 +12,12 @@ const FULL_PER_RULE: usize = 3;
 const LISTED: usize = 500;
 
 /// Which findings are on the page, by their index, so that every link has a target.
-pub(super) struct Shown {
+pub(super) struct ShownFindings {
     full: BTreeSet<usize>,
     listed: BTreeSet<usize>,
 }
 
-impl Shown {
+impl ShownFindings {
     pub(super) fn new(run: &Run) -> Self {
         let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
         let (mut full, mut listed) = (BTreeSet::new(), BTreeSet::new());

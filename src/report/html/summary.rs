@@ -6,9 +6,9 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use crate::run::{Recording, Unmet, VerdictWord};
-use crate::source::{Examined, Source, SourceKind};
-use crate::verdict::{Severity, Waived};
+use crate::run::{Recording, UnmetRequirement, VerdictWord};
+use crate::source::{Coverage, Source, SourceKind};
+use crate::verdict::{Acceptance, Severity};
 
 use super::super::place::Locator;
 use super::super::terminal::{examined_words, plain_ending};
@@ -134,14 +134,14 @@ fn platform(page: &Page) -> Markup {
 }
 
 /// How much of all inputs was read; messages if every recording states its number of messages.
-fn examined(page: &Page) -> Option<Examined> {
+fn examined(page: &Page) -> Option<Coverage> {
     let inputs = page.run.sources.iter().filter(|source| source.derived.is_none());
     let parts = inputs
         .filter(|source| source.kind != SourceKind::Configuration)
         .map(|source| &source.examined);
-    let mut all: Option<Examined> = None;
+    let mut all: Option<Coverage> = None;
     for part in parts {
-        let all = all.get_or_insert_with(Examined::default);
+        let all = all.get_or_insert_with(Coverage::default);
         all.bytes += part.bytes;
         all.bytes_total += part.bytes_total;
         let Some(messages) = part.messages else { continue };
@@ -267,7 +267,7 @@ pub(super) fn required(page: &Page) -> Option<Markup> {
     })
 }
 
-fn row(unmet: &Unmet) -> Markup {
+fn row(unmet: &UnmetRequirement) -> Markup {
     html! {
         tr {
             th scope="row" {
@@ -287,7 +287,7 @@ fn row(unmet: &Unmet) -> Markup {
 }
 
 /// An acceptance: why, by whom, until when, and where it is declared.
-pub(super) fn accepted(waived: &Waived) -> Markup {
+pub(super) fn accepted(waived: &Acceptance) -> Markup {
     html! {
         p class="accepted" {
             (badge("waived", "⊘", "waived")) " " (words(&waived.reason))

@@ -5,10 +5,10 @@
 use super::plots::draw;
 use super::*;
 use crate::report::samples::{ROBOT, Sample, everything};
-use crate::run::{Unmet, VerdictWord};
+use crate::run::{UnmetRequirement, VerdictWord};
 use crate::source::SourceKind;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
-use crate::verdict::{Measured, Outcome, Severity, Waived};
+use crate::verdict::{Acceptance, Measured, Outcome, Severity};
 
 #[path = "../../../tests/support/page.rs"]
 #[allow(clippy::expect_used, dead_code)]
@@ -23,8 +23,8 @@ fn page(run: &Run) -> (String, Parsed) {
     (text, document)
 }
 
-fn waived() -> Waived {
-    Waived {
+fn waived() -> Acceptance {
+    Acceptance {
         reason: "remounted".to_owned(),
         by: Some("J. Doe".to_owned()),
         until: crate::verdict::waiver::Day::parse("2027-01-31"),
@@ -42,7 +42,7 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
         .unwrap()
         .measured = vec![Measured::new("tilt", 0.125, "deg").limit(2.0).samples(7)];
     run.verdict.findings[0].waived = Some(waived());
-    run.unmet = vec![Unmet {
+    run.unmet = vec![UnmetRequirement {
         rule: "A02".to_owned(),
         name: "a-rule".to_owned(),
         subject: Some("*lidar*".to_owned()),
@@ -77,14 +77,14 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
 
 #[test]
 fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
-    use crate::source::{Examined, FileHash};
+    use crate::source::{Coverage, FileHash};
     let mut s = Sample::default();
-    let examined = |bytes: u64, messages: u64, messages_total: Option<u64>| Examined {
+    let examined = |bytes: u64, messages: u64, messages_total: Option<u64>| Coverage {
         bytes,
         bytes_total: 4000,
         messages: Some(messages),
         messages_total,
-        ..Examined::default()
+        ..Coverage::default()
     };
     let hash = |name: &str, digit: &str| FileHash {
         name: name.to_owned(),

@@ -16,7 +16,7 @@ use rerun::{
 };
 use sha2::{Digest, Sha256};
 
-use crate::view::scene::{Body, Color, Drawing, Item, Level, Lines, Path, Points, Scene, WORLD, What};
+use crate::view::scene::{Body, Color, Content, Drawing, Item, Level, Lines, Path, Points, Scene, WORLD};
 
 /// The timeline: header stamps; log times for messages without a header.
 pub const TIMELINE: &str = "stamp";
@@ -51,13 +51,13 @@ pub fn write(scene: &Scene, name: &str, sink: Sink) -> Result<(), String> {
         Sink::Spawn => builder.spawn(),
         Sink::Connect(url) => builder.connect_grpc_opts(url),
     };
-    let told = |error: rerun::RecordingStreamError| error.to_string();
-    let stream = stream.map_err(told)?;
+    let text = |error: rerun::RecordingStreamError| error.to_string();
+    let stream = stream.map_err(text)?;
     stream.set_log_time_enabled(false);
     stream.set_log_tick_enabled(false);
-    layout::send(scene, &format!("layout-{id}"), &stream).map_err(told)?;
-    stream.send_recording_name(name).map_err(told)?;
-    items(scene, &stream).map_err(told)?;
+    layout::send(scene, &format!("layout-{id}"), &stream).map_err(text)?;
+    stream.send_recording_name(name).map_err(text)?;
+    items(scene, &stream).map_err(text)?;
     stream.flush_blocking().map_err(|error| error.to_string())
 }
 
@@ -78,8 +78,8 @@ fn items(scene: &Scene, stream: &RecordingStream) -> RecordingStreamResult<()> {
     let mut always: BTreeMap<&Path, BTreeMap<String, SerializedComponentBatch>> = BTreeMap::new();
     for item in &scene.items {
         match (&item.what, item.stamp_ns) {
-            (What::Pose(pose), Some(stamp_ns)) => poses.entry(&item.path).or_default().push((stamp_ns, pose)),
-            (What::Number(value), Some(stamp_ns)) => numbers.entry(&item.path).or_default().push((stamp_ns, *value)),
+            (Content::Pose(pose), Some(stamp_ns)) => poses.entry(&item.path).or_default().push((stamp_ns, pose)),
+            (Content::Number(value), Some(stamp_ns)) => numbers.entry(&item.path).or_default().push((stamp_ns, *value)),
             (_, Some(stamp_ns)) => {
                 stream.set_timestamp_nanos_since_epoch(TIMELINE, stamp_ns);
                 stream.log_serialized_batches(entity(&item.path), false, batches(item))?;
@@ -145,15 +145,15 @@ fn radius(value: f32) -> rerun::Radius {
 fn batches(item: &Item) -> Vec<SerializedComponentBatch> {
     let shown = |what: &dyn rerun::AsComponents| what.as_serialized_batches();
     match &item.what {
-        What::Pose(pose) => shown(&rerun::Transform3D::from_translation_rotation(
+        Content::Pose(pose) => shown(&rerun::Transform3D::from_translation_rotation(
             translation(pose),
             quaternion(pose),
         )),
-        What::Axes(length_m) => shown(&rerun::TransformAxes3D::new(*length_m)),
-        What::Points(points) => shown(&of_points(points)),
-        What::Lines(lines) => shown(&of_lines(lines)),
-        What::Body(body) => of_body(body),
-        What::Camera([a, b, c, d, e, f, g, h, i], resolution) => {
+        Content::Axes(length_m) => shown(&rerun::TransformAxes3D::new(*length_m)),
+        Content::Points(points) => shown(&of_points(points)),
+        Content::Lines(lines) => shown(&of_lines(lines)),
+        Content::Body(body) => of_body(body),
+        Content::Camera([a, b, c, d, e, f, g, h, i], resolution) => {
             // Column by column.
             let image_from_camera = rerun::Mat3x3([*a, *d, *g, *b, *e, *h, *c, *f, *i]);
             shown(
@@ -162,29 +162,29 @@ fn batches(item: &Item) -> Vec<SerializedComponentBatch> {
                     .with_camera_xyz(rerun::components::ViewCoordinates::RDF),
             )
         }
-        What::Pixels(points) => shown(
+        Content::Pixels(points) => shown(
             &rerun::Points2D::new(points.xyz_m.iter().map(|[x, y, _]| [*x, *y]))
                 .with_radii([radius(points.radius)])
                 .with_colors(points.colors.iter().map(|of| color(*of))),
         ),
-        What::Drawing(drawing) => of_drawing(drawing),
-        What::Number(value) => shown(&rerun::Scalars::single(*value)),
-        What::Curve(name, of, true) => shown(
+        Content::Drawing(drawing) => of_drawing(drawing),
+        Content::Number(value) => shown(&rerun::Scalars::single(*value)),
+        Content::Curve(name, of, true) => shown(
             &rerun::SeriesLines::new()
                 .with_names([name.as_str()])
                 .with_colors([color(*of)]),
         ),
-        What::Curve(name, of, false) => shown(
+        Content::Curve(name, of, false) => shown(
             &rerun::SeriesPoints::new()
                 .with_names([name.as_str()])
                 .with_colors([color(*of)]),
         ),
-        What::Log(level, text) => shown(&rerun::TextLog::new(text.as_str()).with_level(match level {
+        Content::Log(level, text) => shown(&rerun::TextLog::new(text.as_str()).with_level(match level {
             Level::Info => rerun::TextLogLevel::INFO,
             Level::Warning => rerun::TextLogLevel::WARN,
             Level::Error => rerun::TextLogLevel::ERROR,
         })),
-        What::Page(text) => shown(&rerun::TextDocument::from_markdown(text.as_str())),
+        Content::Page(text) => shown(&rerun::TextDocument::from_markdown(text.as_str())),
     }
 }
 

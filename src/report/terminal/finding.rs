@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::source::{At, Confidence, MessageRef, Place, SourceId};
+use crate::source::{Confidence, MessageRef, Place, SourceId, SourcePart};
 use crate::verdict::{Finding, Fix, Measured, PlaceRole, Safety, Severity};
 
 use super::super::Style;
@@ -120,7 +120,7 @@ fn places(finding: &Finding, locator: &Locator, painter: &Painter, style: Style,
 pub(super) fn place_line(place: &Place, note: &str, locator: &Locator, style: Style) -> String {
     let arrow = style.pick("→", "->");
     let place = match &place.at {
-        At::Message(message) => format!("{} {}", locator.find(place).path, message_words(message)),
+        SourcePart::Message(message) => format!("{} {}", locator.find(place).path, message_words(message)),
         _ => locator.short(place),
     };
     let place = style.paint(Ink::Strong, &one_line(&place));
@@ -144,9 +144,9 @@ pub(in crate::report) fn message_words(message: &MessageRef) -> String {
     format!("{} message {}, {when}{field}", message.topic, message.index)
 }
 
-/// `rotation difference 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
+/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
-    let spelled = Spelled::new(measured);
+    let spelled = NumberText::new(measured);
     let mut words = format!("{} = {}", measured.what, spelled.value);
     if let Some(limit) = spelled.limit {
         let _ = write!(words, ", limit {limit}");
@@ -161,7 +161,7 @@ pub(in crate::report) fn measured_words(measured: &Measured) -> String {
 }
 
 /// The numbers of a measurement with their units.
-pub(in crate::report) struct Spelled {
+pub(in crate::report) struct NumberText {
     pub(in crate::report) value: String,
     pub(in crate::report) limit: Option<String>,
     pub(in crate::report) spread: Option<String>,
@@ -185,7 +185,7 @@ fn least(measured: &Measured) -> f64 {
     }
 }
 
-impl Spelled {
+impl NumberText {
     pub(in crate::report) fn new(measured: &Measured) -> Self {
         let unit = match measured.unit.as_str() {
             "1" | "count" | "" => String::new(),

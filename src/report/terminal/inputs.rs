@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::source::{At, Examined, ReadStatus, Source, SourceId, SourceKind};
+use crate::source::{Coverage, ReadStatus, Source, SourceId, SourceKind, SourcePart};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -120,7 +120,10 @@ pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Sty
 
 /// Optional inputs with a problem at a place are shown; optional files in unsupported formats are not.
 fn has_placed_problem(source: &Source) -> bool {
-    source.problems.iter().any(|problem| problem.place.at != At::Whole)
+    source
+        .problems
+        .iter()
+        .any(|problem| problem.place.at != SourcePart::Whole)
 }
 
 fn problem_place(
@@ -140,7 +143,7 @@ fn problem_place(
     });
     match (snippet, &problem.place.at) {
         (Some(snippet), _) => out.push_str(&snippet),
-        (None, At::Whole) => {}
+        (None, SourcePart::Whole) => {}
         (None, _) => {
             let _ = writeln!(out, "  {}", place_line(&problem.place, "", locator, style));
         }
@@ -194,7 +197,7 @@ pub(super) fn judged_apart(run: &Run, style: Style, out: &mut String) {
 }
 
 /// How much of a source was read: bytes, messages, and time in windows.
-pub(in crate::report) fn examined_words(examined: &Examined) -> Vec<String> {
+pub(in crate::report) fn examined_words(examined: &Coverage) -> Vec<String> {
     let mut parts = vec![share(
         "",
         &bytes(examined.bytes),

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::run::{FailOn, Run};
-use crate::source::{At, ReadStatus};
+use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
 use super::place::Locator;
@@ -24,7 +24,7 @@ use super::style::Ink;
 use super::text::{one_line, plural, wrap};
 use snippet::Painter;
 
-pub(super) use finding::{Spelled, measured_words, message_words};
+pub(super) use finding::{NumberText, measured_words, message_words};
 pub(super) use inputs::examined_words;
 pub(super) use rows::reasons;
 
@@ -113,7 +113,10 @@ fn nothing_read(run: &Run, options: &Options) -> Option<String> {
     let [only] = run.sources.as_slice() else {
         return None;
     };
-    let is_plain = only.problems.iter().all(|problem| problem.place.at == At::Whole);
+    let is_plain = only
+        .problems
+        .iter()
+        .all(|problem| problem.place.at == SourcePart::Whole);
     if options.verbose || only.status != ReadStatus::Unreadable || !is_plain || run.verdict.open().next().is_some() {
         return None;
     }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::run::{Run, Unmet};
-use crate::verdict::Waived;
+use crate::run::{Run, UnmetRequirement};
+use crate::verdict::Acceptance;
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -47,11 +47,11 @@ pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut 
 
 /// Requirements that are not met: why, and what is needed.
 pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
-    let lacking: Vec<&Unmet> = run.lacking().collect();
+    let lacking: Vec<&UnmetRequirement> = run.lacking().collect();
     if !lacking.is_empty() {
         heading(style, "Requirements not met", lacking.len(), "requirement", out);
         for unmet in lacking {
-            told(unmet, style, out);
+            requirement(unmet, style, out);
             if let Some(record) = &unmet.record {
                 let _ = writeln!(
                     out,
@@ -82,7 +82,7 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
             out,
         );
         for (unmet, waived) in accepted() {
-            told(unmet, style, out);
+            requirement(unmet, style, out);
             let words = wrap(&one_line(&waived.words()), style.width, "    waived: ", "            ");
             let _ = writeln!(out, "{words}");
         }
@@ -90,7 +90,7 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
     }
 }
 
-fn told(unmet: &Unmet, style: Style, out: &mut String) {
+fn requirement(unmet: &UnmetRequirement, style: Style, out: &mut String) {
     let subject = unmet
         .subject
         .as_ref()
@@ -112,7 +112,7 @@ pub(super) fn unmet_words(run: &Run) -> Option<String> {
 /// Waived findings and requirements that are not met, a line each.
 pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut String) {
     for one in run.verdict.waived() {
-        let words = one.waived.as_ref().map(Waived::words).unwrap_or_default();
+        let words = one.waived.as_ref().map(Acceptance::words).unwrap_or_default();
         out.push_str("waived: ");
         finding::line(one, locator, style, out);
         out.truncate(out.trim_end().len());

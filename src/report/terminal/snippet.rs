@@ -86,7 +86,7 @@ impl<'a> Painter<'a> {
         if labels.is_empty() {
             return None;
         }
-        let shown = Shown {
+        let shown = SourceLabels {
             code: Code {
                 name: one_line(&self.locator.name(id)),
                 text,
@@ -352,20 +352,20 @@ impl SourceCode for Code<'_> {
 
 /// The labels of one source. The headline stays empty: it is ours.
 #[derive(Debug)]
-struct Shown<'a> {
+struct SourceLabels<'a> {
     code: Code<'a>,
     labels: Vec<LabeledSpan>,
 }
 
-impl fmt::Display for Shown<'_> {
+impl fmt::Display for SourceLabels<'_> {
     fn fmt(&self, _: &mut fmt::Formatter<'_>) -> fmt::Result {
         Ok(())
     }
 }
 
-impl std::error::Error for Shown<'_> {}
+impl std::error::Error for SourceLabels<'_> {}
 
-impl Diagnostic for Shown<'_> {
+impl Diagnostic for SourceLabels<'_> {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         Some(&self.code)
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::run::Run;
 use crate::world::FrameId;
-use crate::world::tf2::{Buffer, Found, LookupError};
+use crate::world::tf2::{Buffer, Lookup, LookupError};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -85,7 +85,7 @@ pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: 
 }
 
 /// tf2 returns identity for the same frame twice without checking that the frame exists; here it is checked.
-fn known(buffer: &Buffer, found: &Found, target: &str) -> bool {
+fn known(buffer: &Buffer, found: &Lookup, target: &str) -> bool {
     !found.factors.is_empty() || buffer.knows(&FrameId::new(target))
 }
 
@@ -99,7 +99,7 @@ fn rank(error: &LookupError) -> u8 {
     }
 }
 
-fn product(found: &Found, [target, source]: [&str; 2], sources: &[String], style: Style, out: &mut String) {
+fn product(found: &Lookup, [target, source]: [&str; 2], sources: &[String], style: Style, out: &mut String) {
     let (target, source) = (shown(target), shown(source));
     let when = match found.stamp_ns {
         0 => "at any time".to_owned(),

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::sketch::Sketch;
 
 /// A frame with its position.
-pub(super) struct Laid {
+pub(super) struct FramePosition {
     /// Its number in the sketch.
     pub(super) frame: usize,
     /// Column, from the root on.
@@ -25,7 +25,7 @@ pub(super) struct Laid {
 #[derive(Default)]
 pub(super) struct Tree {
     /// Its frames; parents come before their children.
-    pub(super) frames: Vec<Laid>,
+    pub(super) frames: Vec<FramePosition>,
     /// Edges, by their indices in the sketch, that are not between a frame and the parent it is drawn under.
     pub(super) others: Vec<usize>,
     /// Height, in half rows.
@@ -84,7 +84,7 @@ fn tree(members: &[usize], below: &BTreeMap<usize, Vec<(usize, usize)>>, has_par
             }
             let here = tree.frames.len();
             place.insert(frame, here);
-            tree.frames.push(Laid {
+            tree.frames.push(FramePosition {
                 frame,
                 depth,
                 half_row: 0,
@@ -105,28 +105,28 @@ fn tree(members: &[usize], below: &BTreeMap<usize, Vec<(usize, usize)>>, has_par
 fn place_rows(tree: &mut Tree) {
     let mut children: Vec<Option<(u32, u32)>> = vec![None; tree.frames.len()];
     let mut has_children = vec![false; tree.frames.len()];
-    for parent in tree.frames.iter().filter_map(|laid| laid.parent) {
+    for parent in tree.frames.iter().filter_map(|position| position.parent) {
         if let Some(has) = has_children.get_mut(parent) {
             *has = true;
         }
     }
     let mut next = 0;
-    for (laid, has_children) in tree.frames.iter_mut().zip(&has_children) {
+    for (position, has_children) in tree.frames.iter_mut().zip(&has_children) {
         if !has_children {
-            laid.half_row = next;
+            position.half_row = next;
             next += 2;
         }
     }
     tree.half_rows = next;
     for index in (0..tree.frames.len()).rev() {
-        let Some(laid) = tree.frames.get_mut(index) else {
+        let Some(position) = tree.frames.get_mut(index) else {
             continue;
         };
         if let Some(Some((first, last))) = children.get(index) {
-            laid.half_row = u32::midpoint(*first, *last);
+            position.half_row = u32::midpoint(*first, *last);
         }
-        let row = laid.half_row;
-        if let Some(span) = laid.parent.and_then(|parent| children.get_mut(parent)) {
+        let row = position.half_row;
+        if let Some(span) = position.parent.and_then(|parent| children.get_mut(parent)) {
             let (first, last) = span.unwrap_or((row, row));
             *span = Some((first.min(row), last.max(row)));
         }

@@ -21,7 +21,7 @@ use std::fmt::Write;
 use nalgebra::Isometry3;
 
 use crate::run::Run;
-use crate::source::{At, Place, SourceId};
+use crate::source::{Place, SourceId, SourcePart};
 use crate::world::{ClaimKind, FrameId, World};
 
 use super::place::Locator;
@@ -106,7 +106,7 @@ fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<Stri
             continue;
         }
         let (list, place): (&mut BTreeMap<&str, Vec<String>>, String) = match &used.place.at {
-            At::Message(message) => (
+            SourcePart::Message(message) => (
                 &mut *messages,
                 format!("{} {}", names.name(used.place.source), message.topic),
             ),

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::run::Run;
 use crate::world::graph::EdgeOrigin;
-use crate::world::tf2::{Factor, MadeFrom, namespaces};
+use crate::world::tf2::{Factor, SampleOrigin, namespaces};
 use crate::world::{Claim, ClaimKind, World};
 
 use super::super::text::{one_line, trimmed};
@@ -46,7 +46,7 @@ pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names:
 
 /// How many transforms of an edge were kept, and of how many, if a value was interpolated across dropped ones.
 pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> Option<(usize, u64)> {
-    let MadeFrom::Between(..) = factor.made_from else {
+    let SampleOrigin::Between(..) = factor.made_from else {
         return None;
     };
     let Some(EdgeOrigin::Tf(bag, edge)) = origins.get(factor.tags.0) else {
@@ -73,15 +73,15 @@ pub(super) fn rivals(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> 
 }
 
 /// `static`, `0.02 s old`, `0.01 s after a sample, 0.01 s before the next`.
-pub(super) fn age(made_from: MadeFrom, stamp_ns: i64) -> String {
+pub(super) fn age(made_from: SampleOrigin, stamp_ns: i64) -> String {
     match made_from {
-        MadeFrom::Static => "static".to_owned(),
-        MadeFrom::Sample(at) if at == stamp_ns || stamp_ns == 0 => "a sample at this timestamp".to_owned(),
-        MadeFrom::Sample(at) => format!(
+        SampleOrigin::Static => "static".to_owned(),
+        SampleOrigin::Sample(at) if at == stamp_ns || stamp_ns == 0 => "a sample at this timestamp".to_owned(),
+        SampleOrigin::Sample(at) => format!(
             "{} s old: the parent changes afterwards",
             seconds(stamp_ns.saturating_sub(at))
         ),
-        MadeFrom::Between(before, after) => format!(
+        SampleOrigin::Between(before, after) => format!(
             "{} s after a sample, {} s before the next",
             seconds(stamp_ns.saturating_sub(before)),
             seconds(after.saturating_sub(stamp_ns))

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::run::Run;
 
-use super::layout::{self, Laid, Tree};
+use super::layout::{self, FramePosition, Tree};
 use super::sketch::{Edge, Sketch, sketches};
 use super::{label, pose_words};
 
@@ -164,9 +164,9 @@ struct Node {
 }
 
 impl Node {
-    fn new(sketch: &Sketch, laid: &Laid) -> Self {
-        let name = sketch.frames.get(laid.frame).cloned().unwrap_or_default();
-        let Some(edge) = laid.edge.and_then(|edge| sketch.edges.get(edge)) else {
+    fn new(sketch: &Sketch, position: &FramePosition) -> Self {
+        let name = sketch.frames.get(position.frame).cloned().unwrap_or_default();
+        let Some(edge) = position.edge.and_then(|edge| sketch.edges.get(edge)) else {
             return Self {
                 class: "box root",
                 whole: name.clone(),
@@ -207,11 +207,11 @@ impl Node {
 }
 
 fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
-    let nodes: Vec<Node> = tree.frames.iter().map(|laid| Node::new(sketch, laid)).collect();
+    let nodes: Vec<Node> = tree.frames.iter().map(|position| Node::new(sketch, position)).collect();
     let mut widths: Vec<u32> = Vec::new();
-    for (laid, node) in tree.frames.iter().zip(&nodes) {
-        widths.resize(widths.len().max(laid.depth + 1), 0);
-        if let Some(width) = widths.get_mut(laid.depth) {
+    for (position, node) in tree.frames.iter().zip(&nodes) {
+        widths.resize(widths.len().max(position.depth + 1), 0);
+        if let Some(width) = widths.get_mut(position.depth) {
             *width = node.width().max(*width);
         }
     }
@@ -227,25 +227,25 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
     let is_stepped = page.widest.is_some_and(|widest| x - COLUMN_GAP > widest);
     let top = page.y;
     let mut places: Vec<(u32, u32)> = Vec::new();
-    for laid in &tree.frames {
+    for position in &tree.frames {
         places.push(if is_stepped {
-            let depth = u32::try_from(laid.depth).unwrap_or(0);
+            let depth = u32::try_from(position.depth).unwrap_or(0);
             let place = (MARGIN + depth * STEP, page.y);
             page.y += ROW;
             place
         } else {
             // Rows count in halves: a parent is between its children.
-            let left = columns.get(laid.depth).copied().unwrap_or(MARGIN);
-            (left, top + laid.half_row * ROW / 2)
+            let left = columns.get(position.depth).copied().unwrap_or(MARGIN);
+            (left, top + position.half_row * ROW / 2)
         });
     }
     if !is_stepped {
         page.y = top + tree.half_rows * ROW / 2;
     }
     let place = |index: usize| Some((*places.get(index)?, nodes.get(index)?.width()));
-    for (child, laid) in tree.frames.iter().enumerate() {
-        let ends = laid.parent.and_then(|parent| place(parent).zip(place(child)));
-        if let (Some((from, to)), Some(edge)) = (ends, laid.edge.and_then(|edge| sketch.edges.get(edge))) {
+    for (child, position) in tree.frames.iter().enumerate() {
+        let ends = position.parent.and_then(|parent| place(parent).zip(place(child)));
+        if let (Some((from, to)), Some(edge)) = (ends, position.edge.and_then(|edge| sketch.edges.get(edge))) {
             let class = class(edge);
             if is_stepped {
                 // The part before the child is shared with its siblings.
@@ -259,7 +259,7 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
         }
     }
     let numbers = tree.frames.iter().enumerate();
-    let drawn: BTreeMap<usize, usize> = numbers.map(|(index, laid)| (laid.frame, index)).collect();
+    let drawn: BTreeMap<usize, usize> = numbers.map(|(index, position)| (position.frame, index)).collect();
     for edge in tree.others.iter().filter_map(|other| sketch.edges.get(*other)) {
         let end = |frame: usize| drawn.get(&frame).and_then(|index| place(*index));
         if let Some((from, to)) = end(edge.parent).zip(end(edge.child)) {

@@ -231,25 +231,28 @@ fn a_drawing_shows_every_frame_and_every_edge_once() {
     let mut frames: Vec<usize> = trees
         .iter()
         .flat_map(|tree| &tree.frames)
-        .map(|laid| laid.frame)
+        .map(|position| position.frame)
         .collect();
     frames.sort_unstable();
     assert_eq!(frames, (0..sketches[0].frames.len()).collect::<Vec<_>>());
     let drawn = trees
         .iter()
-        .flat_map(|tree| tree.frames.iter().filter_map(|laid| laid.edge));
+        .flat_map(|tree| tree.frames.iter().filter_map(|position| position.edge));
     let mut edges: Vec<usize> = drawn.chain(trees.iter().flat_map(|tree| tree.others.clone())).collect();
     edges.sort_unstable();
     assert_eq!(edges, (0..sketches[0].edges.len()).collect::<Vec<_>>());
     for tree in &trees {
-        for (place, laid) in tree.frames.iter().enumerate() {
-            assert!(laid.half_row + 2 <= tree.half_rows);
+        for (place, position) in tree.frames.iter().enumerate() {
+            assert!(position.half_row + 2 <= tree.half_rows);
             // Boxes of one column do not overlap, and a child is right of its parent.
-            let clash = |other: &layout::Laid| other.depth == laid.depth && other.half_row.abs_diff(laid.half_row) < 2;
-            assert!(!tree.frames[..place].iter().any(clash), "{}", laid.frame);
+            let clash = |other: &layout::FramePosition| {
+                other.depth == position.depth && other.half_row.abs_diff(position.half_row) < 2
+            };
+            assert!(!tree.frames[..place].iter().any(clash), "{}", position.frame);
             assert!(
-                laid.parent
-                    .is_none_or(|parent| tree.frames[parent].depth + 1 == laid.depth)
+                position
+                    .parent
+                    .is_none_or(|parent| tree.frames[parent].depth + 1 == position.depth)
             );
         }
     }

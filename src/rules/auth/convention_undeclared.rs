@@ -23,12 +23,12 @@ impl Rule for ConventionUndeclared {
 
 fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let subject = format!("conventions of the topics of {}", world.path(bag.source));
-    let told: Vec<(&str, bool, &'static str)> = bag
+    let topics: Vec<(&str, bool, &'static str)> = bag
         .topics
         .values()
-        .filter_map(|topic| told(world, bag, topic))
+        .filter_map(|topic| declaration(world, bag, topic))
         .collect();
-    if told.is_empty() {
+    if topics.is_empty() {
         return out.missing(
             subject, "no topic with IMU or odometry messages",
         );
@@ -37,10 +37,10 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         let why = "nothing is declared: state under `conventions:` in frames-lint.yaml what each topic is expressed in";
         return out.missing(subject, why);
     }
-    let open: Vec<&(&str, bool, &str)> = told.iter().filter(|(_, is_declared, _)| !is_declared).collect();
+    let open: Vec<&(&str, bool, &str)> = topics.iter().filter(|(_, is_declared, _)| !is_declared).collect();
     let measured = Measured::count("topics without a declaration", open.len())
         .limit(0.0)
-        .samples(told.len() as u64);
+        .samples(topics.len() as u64);
     if open.is_empty() {
         return out.pass(subject, [measured]);
     }
@@ -74,8 +74,8 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
 }
 
 /// A topic that is expressed in axes of the world or of a body: whether it is declared, and the line that declares the usual convention.
-fn told<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
-    let said: Vec<_> = topic.said().filter(|said| !said.guessed).collect();
+fn declaration<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
+    let said: Vec<_> = topic.contents().filter(|said| !said.guessed).collect();
     let has = |test: fn(&crate::world::content::ContentEvidence) -> bool| said.iter().any(|said| test(said.content));
     let line = if has(|content| content.odometry.is_some()) {
         "world: ENU, body: FLU"

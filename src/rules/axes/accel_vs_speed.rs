@@ -2,7 +2,7 @@
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Push};
-use crate::analysis::axes::push::{Limits, Pushed};
+use crate::analysis::axes::push::{AccelFit, Limits};
 use crate::analysis::motion::Imu;
 use crate::analysis::{axes::sensors::Sensor, look::TRACK};
 use crate::rules::prelude::*;
@@ -19,7 +19,7 @@ impl Rule for AccelVsSpeed {
     }
 }
 
-fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &Pushed, limits: &Limits, out: &mut Judge) {
+fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelFit, limits: &Limits, out: &mut Judge) {
     let pairs = pushed.forward.pairs as u64;
     let measured = [
         Measured::new(

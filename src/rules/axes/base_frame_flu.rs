@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::axes::bases::{Axis, Base, Bases, Limits, Seen};
+use crate::analysis::axes::bases::{Axis, Base, BaseEstimate, Bases, Limits};
 use crate::rules::prelude::*;
 
 pub(crate) struct BaseFrameFlu;
@@ -22,7 +22,7 @@ impl Rule for BaseFrameFlu {
     }
 }
 
-fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &mut Judge) {
+fn judge_seen(base: &Base, subject: String, seen: &BaseEstimate, limits: &Limits, out: &mut Judge) {
     let measured = [
         Measured::new("agreement on the forward direction", seen.concentration, "1").limit(limits.min_concentration),
         Measured::new("distance", seen.way_m, "m").limit(limits.min_way_m),
@@ -88,7 +88,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
 }
 
 /// A base with other axes than FLU.
-fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
+fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Finding {
     let spelled = seen.forward.and_then(|forward| spelled(forward, up));
     let frame = &base.frame;
     let axes = spelled.as_ref().map_or_else(

@@ -3,8 +3,8 @@
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
-use crate::analysis::{axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::Moved};
-use crate::math::regress::{Through, fit_huber};
+use crate::analysis::{axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::ScanStep};
+use crate::math::regress::{LineForm, fit_huber};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
@@ -23,7 +23,7 @@ pub(crate) struct Limits {
 }
 
 /// The rotation that scans are compared with.
-struct Beside {
+struct ReferenceTurn {
     /// `the gyro of `/imu``.
     name: String,
     place: Place,
@@ -36,7 +36,7 @@ struct Beside {
 }
 
 /// Rotation of the scans over that of a gyro.
-struct Turned {
+struct TurnGain {
     gain: f64,
     t: f64,
     pairs: usize,
@@ -63,10 +63,10 @@ impl Rule for CloudMirror {
             let known = imus.iter().zip(sensors.of_bag(clouds.index));
             match (scans.steps(&clouds), gyro(known)) {
                 (Some(steps), Ok(imu)) => {
-                    let beside = Beside::gyro(steps, imu, limits);
+                    let beside = ReferenceTurn::gyro(steps, imu, limits);
                     judge_clouds(world, &clouds, steps, &beside, limits, out);
                 }
-                (Some(steps), Err(why)) => match Beside::poses(world, &clouds, limits) {
+                (Some(steps), Err(why)) => match ReferenceTurn::poses(world, &clouds, limits) {
                     Some(beside) => judge_clouds(world, &clouds, steps, &beside, limits, out),
                     None => out.missing(subject, why),
                 },
@@ -105,11 +105,11 @@ fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Im
     })
 }
 
-impl Beside {
+impl ReferenceTurn {
     fn gyro(steps: &Steps, imu: &Imu, limits: &Limits) -> Self {
         let integrals = Integrals::of(imu);
         let offset_s = imu.stream.stamp_offset_s;
-        let seconds = |moved: &Moved| moved.to.on(offset_s) - moved.from.on(offset_s);
+        let seconds = |moved: &ScanStep| moved.to.on(offset_s) - moved.from.on(offset_s);
         let chained = steps.chained(|moved| seconds(moved) >= limits.pair_s);
         let sure = chained
             .iter()
@@ -132,7 +132,7 @@ impl Beside {
     /// For planar scanners of robots without a gyro. The odometry may be mirrored itself, so the finding is a hint.
     fn poses(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Option<Self> {
         clouds.laser?;
-        let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
+        let seconds = |moved: &ScanStep| moved.to.on(None) - moved.from.on(None);
         let known = HandEye::unchecked(world, clouds, |steps| {
             steps.chained(|moved| seconds(moved) >= limits.pair_s)
         })
@@ -153,7 +153,7 @@ impl Beside {
     }
 }
 
-fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, limits: &Limits, out: &mut Judge) {
+fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &ReferenceTurn, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("handedness");
     if let (Some(_), None) = (clouds.laser, steps.is_up) {
         return out.missing(subject, steps.why);
@@ -238,7 +238,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
 }
 
 /// Rotation of the scans over that of a gyro, by pairs of rotations.
-fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned, String> {
+fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<TurnGain, String> {
     if pairs.len() < limits.min_pairs {
         return Err(format!(
             "only {} pairs of scans could be matched and compared with the gyro or the poses ({} steps between neighbours), {} are needed",
@@ -256,7 +256,7 @@ fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned
             limits.pair_s, limits.min_turn_deg
         ));
     }
-    let line = fit_huber(pairs, Through::Origin, pairs.len() as f64);
+    let line = fit_huber(pairs, LineForm::Origin, pairs.len() as f64);
     let fitted = line.and_then(|line| Some((line.slope, line.t?.abs())));
     let Some((gain, t)) =
         fitted.filter(|(gain, t)| (limits.min_gain..=limits.max_gain).contains(&gain.abs()) && *t >= limits.min_t)
@@ -266,7 +266,7 @@ fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned
             "the scans rotate {gain:+.2} times as the gyro or the poses do (t {t:.1}), which is neither with nor against them"
         ));
     };
-    Ok(Turned {
+    Ok(TurnGain {
         gain,
         t,
         pairs: pairs.len(),

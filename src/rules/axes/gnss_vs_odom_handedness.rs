@@ -66,8 +66,8 @@ fn plot(
     limits: &Limits,
 ) -> Option<Plot> {
     let title = format!("Track of {} fitted to that of {}", poses.subject, fixes.subject);
-    let laid = votes.laid_over(satellites, &poses.track(), limits);
-    plots::tracks(title, laid, votes.majority(limits) != Some(false))
+    let aligned = votes.aligned_over(satellites, &poses.track(), limits);
+    plots::tracks(title, aligned, votes.majority(limits) != Some(false))
 }
 
 fn judge_votes(
@@ -129,7 +129,7 @@ fn judge_votes(
             "swap x and y, or negate one of them, in the wrong one of the two tracks: NED positions become ENU as (y, x, -z), and \
              latitude comes before longitude",
         );
-    out.fail(better(poses.expressed_in.tell(finding).measured(measured)));
+    out.fail(better(poses.expressed_in.annotate(finding).measured(measured)));
 }
 
 /// A finding on two tracks that match neither rotated nor mirrored.

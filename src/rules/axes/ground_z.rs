@@ -28,7 +28,7 @@ pub(crate) struct Limits {
 }
 
 /// A lidar over its ground.
-struct Over {
+struct LidarMount {
     base: FrameId,
     /// `base_from_cloud`, without its place where the cloud is expressed in the base.
     mount: Isometry3<f64>,
@@ -59,7 +59,7 @@ impl Rule for GroundZ {
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("ground");
-            match Over::of(world, &clouds) {
+            match LidarMount::of(world, &clouds) {
                 Ok(over) => judge_over((&motion, &planes), &clouds, &over, (limits, &up), out),
                 Err((reason, why)) => out.not_evaluated(subject, reason, why),
             }
@@ -67,7 +67,7 @@ impl Rule for GroundZ {
     }
 }
 
-impl Over {
+impl LidarMount {
     fn of(world: &World, clouds: &Clouds) -> Result<Self, (NotEvaluated, String)> {
         if !clouds.is_of_a_lidar() {
             let why = "not recognised as raw points of a lidar by its fields, topic or frame".to_owned();
@@ -152,7 +152,7 @@ fn expected(world: &World, base: &FrameId) -> Option<f64> {
 fn judge_over(
     (motion, planes): (&Rc<Motion>, &Planes),
     clouds: &Clouds,
-    over: &Over,
+    over: &LidarMount,
     (limits, up): (&Limits, &crate::analysis::ground::Limits),
     out: &mut Judge,
 ) {
@@ -184,7 +184,7 @@ fn judge_over(
     judge_tilt(motion, clouds, (over, &grounds), limits, out);
 }
 
-fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, out: &mut Judge) {
+fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("ground");
     let tolerance_m = limits.max_off_m.max(limits.sigmas * height.sigma_m);
     let measured = |off_m: f64| {
@@ -221,14 +221,14 @@ fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, 
 }
 
 /// A ground at the wrong height.
-fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &Limits) -> Finding {
+fn off(clouds: &Clouds, over: &LidarMount, height: &Height, expected_m: f64, limits: &Limits) -> Finding {
     let subject = clouds.subject("ground");
     let off_m = height.ground_m - expected_m;
     // Height of the sensor above the ground by TF.
-    let told_m = over.sensor.z - expected_m;
+    let stated_m = over.sensor.z - expected_m;
     let near = |a: f64, b: f64| (a - b).abs() <= limits.class_off_m;
     let is_high = height.sensor_m > limits.min_height_m;
-    let class = if over.is_base && is_high && near(off_m, -told_m) && told_m > limits.min_height_m {
+    let class = if over.is_base && is_high && near(off_m, -stated_m) && stated_m > limits.min_height_m {
         Some((
             "not-applied",
             format!(
@@ -236,7 +236,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
                 over.base
             ),
         ))
-    } else if is_high && told_m.abs() <= limits.class_off_m {
+    } else if is_high && stated_m.abs() <= limits.class_off_m {
         Some((
             "not-applied",
             format!(
@@ -244,9 +244,9 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
                 height.sensor_m
             ),
         ))
-    } else if is_high && near(told_m, -height.sensor_m) {
+    } else if is_high && near(stated_m, -height.sensor_m) {
         Some(("z-sign", "the height of the mounting has the wrong sign".to_owned()))
-    } else if is_high && near(told_m, 2.0 * height.sensor_m) {
+    } else if is_high && near(stated_m, 2.0 * height.sensor_m) {
         Some((
             "twice",
             "the height of the mounting is applied twice, by the driver and by TF".to_owned(),
@@ -267,7 +267,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         height.ground_m
     );
     let help = format!(
-        "measure the height of the lidar above the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms), and correct its \
+        "measure the height of the lidar above the ground ({:.2} m by its own cloud, {stated_m:.2} m by the transforms), and correct its \
          mounting transform or that of `base_footprint`",
         height.sensor_m
     );
@@ -285,12 +285,12 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
 /// A finding, if the points show a ground at the height that it has once the extrinsic is applied.
 fn applied_already(
     clouds: &Clouds,
-    over: &Over,
+    over: &LidarMount,
     subject: &str,
     (limits, up): (&Limits, &crate::analysis::ground::Limits),
 ) -> Option<Finding> {
-    let told_m = over.sensor.z - over.expected_m?;
-    if over.is_base || told_m < limits.min_height_m {
+    let stated_m = over.sensor.z - over.expected_m?;
+    if over.is_base || stated_m < limits.min_height_m {
         return None;
     }
     let sides = ground::sides(clouds, &over.sensor);
@@ -304,7 +304,7 @@ fn applied_already(
     }
     let heights: Vec<f64> = grounds.iter().map(|ground| ground.plane.height_m).collect();
     let seen_m = median(&heights)?;
-    ((seen_m - told_m).abs() <= limits.class_off_m).then(|| {
+    ((seen_m - stated_m).abs() <= limits.class_off_m).then(|| {
         let message = format!(
             "`{}`: extrinsic is applied twice (points in `{}` are already expressed in `{}`)",
             clouds.topic.topic,
@@ -325,7 +325,7 @@ fn applied_already(
             )
             .measured(Measured::new(
                 "height of the sensor above the ground, by the transforms",
-                told_m,
+                stated_m,
                 "m",
             ))
             .help("set the `frame_id` of the cloud to the base, or publish the points as the sensor measured them")
@@ -335,7 +335,7 @@ fn applied_already(
 fn judge_tilt(
     motion: &Motion,
     clouds: &Clouds,
-    (over, grounds): (&Over, &[&Ground]),
+    (over, grounds): (&LidarMount, &[&Ground]),
     limits: &Limits,
     out: &mut Judge,
 ) {

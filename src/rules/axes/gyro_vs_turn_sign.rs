@@ -2,7 +2,7 @@
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Sense};
-use crate::analysis::axes::gyro_vs_track::{Limits, Turned};
+use crate::analysis::axes::gyro_vs_track::{GyroFit, Limits};
 use crate::analysis::axes::sensors::Sensor;
 use crate::analysis::motion::Imu;
 use crate::analysis::{axes::rates::Slope, look::TRACK};
@@ -20,7 +20,7 @@ impl Rule for GyroVsTurnSign {
     }
 }
 
-fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned, limits: &Limits, out: &mut Judge) {
+fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &GyroFit, limits: &Limits, out: &mut Judge) {
     let Slope {
         gain: slope,
         correlation,

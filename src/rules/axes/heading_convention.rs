@@ -2,7 +2,7 @@
 
 use crate::advice::diagnosis::{defer, explain};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::axes::yaw_vs_course::{Decided, apart_deg, is_upright};
+use crate::analysis::axes::yaw_vs_course::{HeadingFit, apart_deg, is_upright};
 use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::{axes::causes, axes::causes::Aspect, axes::diagnosis::Diagnosis, axes::heading::Limits, look::TRACK};
 use crate::rules::prelude::*;
@@ -55,7 +55,7 @@ fn zero_of(subject: &str) -> String {
 }
 
 /// A yaw that increases clockwise.
-fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis, limits: &Limits) -> Finding {
+fn clockwise(imu: &Imu, subject: &str, decided: &HeadingFit, diagnosis: &Diagnosis, limits: &Limits) -> Finding {
     let heading = &decided.heading;
     let offset = heading.offset_rad.to_degrees();
     let (from, to) = heading.span_s.unwrap_or_default();
@@ -81,7 +81,7 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
 }
 
 /// Zero of a yaw with the right sense.
-fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
+fn judge_zero(imu: &Imu, subject: String, decided: &HeadingFit, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
     let offset = match decided.offset_rad() {
         Ok(offset_rad) => format!("{:.0} deg", offset_rad.to_degrees()),
         Err((why, reason)) => return out.not_evaluated(subject, why, reason),
@@ -119,7 +119,7 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
 }
 
 /// A zero that is far from east, if the track knows east.
-fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
+fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limits) -> Option<Finding> {
     let offset = decided.large_offset_deg(limits)?;
     let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let (what, help) = if near(90.0) {
@@ -153,5 +153,5 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
     } else {
         finding.hint()
     };
-    Some(imu.stream.expressed_in.tell(finding).help(help))
+    Some(imu.stream.expressed_in.annotate(finding).help(help))
 }

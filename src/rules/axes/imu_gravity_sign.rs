@@ -1,7 +1,7 @@
 //! AXES01: direction of an accelerometer's reading at rest, in the platform's base.
 
 use crate::advice::diagnosis::{explain, judge_each};
-use crate::analysis::axes::base_up::{Limits, Up};
+use crate::analysis::axes::base_up::{BaseUp, Limits};
 use crate::analysis::axes::causes::{Aspect, Base};
 use crate::analysis::motion::Imu;
 use crate::analysis::axes::sensors::Sensor;
@@ -19,7 +19,7 @@ impl Rule for ImuGravitySign {
     }
 }
 
-fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &Up, limits: &Limits, out: &mut Judge) {
+fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &BaseUp, limits: &Limits, out: &mut Judge) {
     let degrees = up.angle_rad.to_degrees();
     let measured = [
         Measured::new("angle between the acceleration and z of the base", degrees, "deg")
@@ -58,7 +58,7 @@ fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &Up, limits: &L
 }
 
 /// Direction of the acceleration, in words.
-fn words(up: &Up) -> &'static str {
+fn words(up: &BaseUp) -> &'static str {
     let [x, y, z] = [up.direction.x, up.direction.y, up.direction.z];
     let most = x.abs().max(y.abs()).max(z.abs());
     if z.abs() >= most {

@@ -39,7 +39,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         );
         return out.too_little(subject, why);
     }
-    let direction = crate::analysis::cross::direction::seen(world, clouds);
+    let direction = crate::analysis::cross::direction::direction_fit(world, clouds);
     let quarters = yaw.quarters(limits);
     let (relation, what) = match quarters {
         Some(1) => ("z90", OTHER_DRIVER),
@@ -48,8 +48,12 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         _ => ("yaw", "the mounting is rotated differently than its transform states"),
     };
     let error_rad = (limits.pass_deg + 2.0 * yaw.error_deg).to_radians();
-    let or =
-        crate::analysis::cross::direction::doubt(direction.as_ref(), &known.told, yaw.off_deg.to_radians(), error_rad);
+    let or = crate::analysis::cross::direction::doubt(
+        direction.as_ref(),
+        &known.stated,
+        yaw.off_deg.to_radians(),
+        error_rad,
+    );
     let message = format!(
         "`{}_from_{}` lacks a yaw of {:+.1} deg, by the scans on `{}`",
         known.body, known.lidar, yaw.off_deg, clouds.topic.topic

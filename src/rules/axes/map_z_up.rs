@@ -102,7 +102,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
 
 /// A finding on a frame whose name may declare other axes: the rule on such names then reports it.
 fn by_name(frame: &Frame, finding: Finding) -> Finding {
-    let finding = frame.expressed_in.tell(finding);
+    let finding = frame.expressed_in.annotate(finding);
     if frame.expressed_in.is_ned() {
         finding.unless_about(codes::NAME04, format!("`{}`", frame.name))
     } else {

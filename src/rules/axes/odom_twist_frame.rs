@@ -54,8 +54,8 @@ fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Read
     if twists.distance_m < limits.min_distance_m || twists.is_zero {
         return None;
     }
-    let of_twist = twists.told(limits.least_aside);
-    let of_pose = twists.told_of_pose();
+    let of_twist = twists.readings(limits.least_aside);
+    let of_pose = twists.readings_of_pose();
     let best = *of_pose.first()?;
     let second = [of_pose.get(1), of_twist.first()].into_iter().flatten();
     let second = *second.min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -96,7 +96,7 @@ fn fail_pose(
     out.fail(
         stream
             .expressed_in
-            .tell(finding)
+            .annotate(finding)
             .likely()
             .relation(word)
             .help(help)
@@ -121,8 +121,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         let why = "the velocity is zero in every message although the pose moves: it is not filled in";
         return out.missing(&subject, why);
     }
-    let told = twists.told(limits.least_aside);
-    let [best, second, ..] = told.as_slice() else {
+    let readings = twists.readings(limits.least_aside);
+    let [best, second, ..] = readings.as_slice() else {
         return;
     };
     let measured = |reading: &(Reading, f64)| {
@@ -188,7 +188,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     out.fail(
         stream
             .expressed_in
-            .tell(Finding::error(&subject, message, stream.place()).detail(detail))
+            .annotate(Finding::error(&subject, message, stream.place()).detail(detail))
             .likely()
             .relation(best.0.word())
             .help(best.0.help())
@@ -219,7 +219,7 @@ fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &L
         .relation("scale");
     stream
         .expressed_in
-        .tell(finding)
+        .annotate(finding)
         .help("publish the velocity in m/s (REP-103); or, if a known distance shows that the position is not in metres, correct its unit")
         .measured(Measured::new("velocity over that of the pose", times, "1").samples(twists.windows))
         .measured(residual)
@@ -295,7 +295,7 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
         );
         let finding = stream
             .expressed_in
-            .tell(Finding::error(&subject, message, stream.place()).detail(detail))
+            .annotate(Finding::error(&subject, message, stream.place()).detail(detail))
             .likely()
             .help(help)
             .measured(measured.limit(limits.turn_agrees))

@@ -2,7 +2,7 @@
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, World};
-use crate::analysis::axes::world_up::{Above, Limits};
+use crate::analysis::axes::world_up::{Limits, WorldUp};
 use crate::analysis::motion::Imu;
 use crate::math::readings::Reading;
 use crate::analysis::axes::sensors::Sensor;
@@ -21,7 +21,7 @@ impl Rule for OrientationVsGravity {
     }
 }
 
-fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, limits: &Limits, out: &mut Judge) {
+fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp, limits: &Limits, out: &mut Judge) {
     let rows = above.rows as u64;
     let degrees = above.force.from_up_rad.to_degrees();
     let measured = [
@@ -77,7 +77,7 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, l
 }
 
 /// Direction of the acceleration with the quaternion in other conventions.
-fn other_readings(above: &Above) -> String {
+fn other_readings(above: &WorldUp) -> String {
     let words = above.others.iter().map(|mean| {
         let degrees = mean.from_up_rad.to_degrees();
         let how = match mean.reading {

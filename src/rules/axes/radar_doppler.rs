@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-use crate::analysis::radar::{Radar, Scan, Wanted, Way, found_again, scans};
+use crate::analysis::radar::{MotionSource, Radar, Scan, ScanCriteria, found_again, scans};
 use crate::math::circular::{circular_mean, difference, wrapped};
-use crate::math::{doppler::Near, stats::median};
+use crate::math::{doppler::MatchGate, stats::median};
 use crate::rules::prelude::*;
 use crate::source::Confidence;
 use crate::world::radar::{RadarForm, SpeedForm};
@@ -41,7 +41,7 @@ pub(crate) struct Limits {
 }
 
 /// Why a radar is not judged.
-type Why = (NotEvaluated, String);
+type Reason = (NotEvaluated, String);
 
 /// Sign of the rates: of the growing range, or reversed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ enum Sign {
 }
 
 /// Result of all scans.
-struct Seen {
+struct DirectionEstimate {
     /// Angle from the expected direction of motion to the one by the rates, radians.
     off_rad: f64,
     error_rad: f64,
@@ -84,7 +84,7 @@ fn subject(radar: &Radar) -> String {
     format!("range rates of {}", radar.said.subject())
 }
 
-fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judge) -> Result<(), Why> {
+fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judge) -> Result<(), Reason> {
     let evidence = radar.evidence;
     if evidence.speeds == SpeedForm::Components && evidence.sideways == 0 {
         let why = format!(
@@ -93,19 +93,19 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
-    let wanted = Wanted {
+    let wanted = ScanCriteria {
         min_speed_m_s: limits.min_speed_m_s,
         min_detections: limits.min_detections,
         tolerance_m_s: limits.tolerance_m_s,
         tolerance_share: limits.tolerance_share,
     };
-    let ways = Way::all(world, radar);
+    let ways = MotionSource::all(world, radar);
     let of_way = |way| {
         let (all, enough) = scans(radar, way, &wanted);
         (way, all, enough)
     };
     // The first one with enough scans, else the one with the most.
-    let mut best: Option<(&Way, Vec<Scan>, usize)> = None;
+    let mut best: Option<(&MotionSource, Vec<Scan>, usize)> = None;
     for way in &ways {
         let other = of_way(way);
         if best.as_ref().is_none_or(|best| other.1.len() > best.1.len()) {
@@ -141,12 +141,12 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
         return judge_still(radar, way, &agreed, limits, out);
     }
     let moving: Vec<Scan> = agreed.iter().filter(|scan| !is_still(scan)).copied().collect();
-    let seen = seen(way, &moving, limits)?;
+    let seen = estimate(way, &moving, limits)?;
     judge_seen(radar, way, &seen, limits, out)
 }
 
 /// The rates of static objects are zero.
-fn judge_still(radar: &Radar, way: &Way, agreed: &[Scan], limits: &Limits, out: &mut Judge) -> Result<(), Why> {
+fn judge_still(radar: &Radar, way: &MotionSource, agreed: &[Scan], limits: &Limits, out: &mut Judge) -> Result<(), Reason> {
     let of = |value: fn(&Scan) -> f64| median(&agreed.iter().map(value).collect::<Vec<_>>()).unwrap_or(f64::NAN);
     let (speed, fitted) = (of(|scan| scan.expected.norm()), of(|scan| scan.fitted.norm()));
     let (share, as_expected) = (of(|scan| scan.share), of(|scan| scan.as_expected));
@@ -184,7 +184,7 @@ fn judge_still(radar: &Radar, way: &Way, agreed: &[Scan], limits: &Limits, out: 
     Ok(())
 }
 
-fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
+fn estimate(way: &MotionSource, scans: &[Scan], limits: &Limits) -> Result<DirectionEstimate, Reason> {
     let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
     if scans.len() < limits.min_scans {
         return little(format!(
@@ -225,7 +225,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
             way.subject
         ));
     };
-    let near = Near {
+    let near = MatchGate {
         range_m: limits.near_m,
         angle_rad: limits.near_deg.to_radians(),
     };
@@ -246,7 +246,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
         .iter()
         .map(lever)
         .fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
-    Ok(Seen {
+    Ok(DirectionEstimate {
         off_rad: mean.mean_rad,
         error_rad: error(mean.sd_rad()),
         resultant: mean.resultant,
@@ -259,7 +259,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     })
 }
 
-fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut Judge) -> Result<(), Why> {
+fn judge_seen(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, limits: &Limits, out: &mut Judge) -> Result<(), Reason> {
     let is_back = seen.off_rad.abs() > PI / 2.0;
     let half_turn_off_deg = (PI - seen.off_rad.abs()).to_degrees();
     let is_half_turn = half_turn_off_deg <= limits.half_turn_deg;
@@ -304,7 +304,7 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
 }
 
 /// The rates are positive for approaching objects.
-fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limits) -> Finding {
+fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure: bool, limits: &Limits) -> Finding {
     let name = format!("`{}` on {}", radar.evidence.field, radar.said.subject());
     let (relation, message, detail) = if is_sure {
         (
@@ -338,7 +338,7 @@ fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limit
 }
 
 /// The mounting lacks a yaw.
-fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) -> Finding {
+fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: f64, limits: &Limits) -> Finding {
     let off_deg = off_rad.to_degrees();
     // The direction by the rates is rotated as the stated mounting is against the true one.
     let lacks_deg = -off_deg;
@@ -378,7 +378,7 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
         .measured(measured(seen, off_rad, limits))
 }
 
-fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {
+fn measured(seen: &DirectionEstimate, off_rad: f64, limits: &Limits) -> Vec<Measured> {
     let [lever_m_s, lever_rad] = seen.lever;
     let [same, other] = seen.found;
     vec![

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::analysis::ground::{Ground, Limits, Planes, SIDES};
 use crate::analysis::motion::{Imu, Motion, Stream};
 use crate::analysis::{ground, lidar::Clouds, motion::mount::mount};
-use crate::math::{stats::median, support::open_above};
+use crate::math::{stats::median, support_plane::open_above};
 use crate::rules::prelude::*;
 use crate::verdict::SeenPlane;
 use crate::world::{FrameId, World, cloud::CloudSample};
@@ -34,7 +34,7 @@ impl Rule for UpAxisFlip {
             let grounds: Vec<Ground> = by_cloud.iter().map(|(_, ground)| *ground).collect();
             match limits.agreed(&clouds, &grounds) {
                 Ok(side) => {
-                    out.planes(&subject, || seen(world, &clouds, &by_cloud, side));
+                    out.planes(&subject, || ground_planes(world, &clouds, &by_cloud, side));
                     judge_side(world, &motion, &clouds, (side, &grounds), limits, out);
                 }
                 Err(why) => out.too_little(subject, why),
@@ -44,7 +44,7 @@ impl Rule for UpAxisFlip {
 }
 
 /// The ground planes on one side, each in its cloud.
-fn seen(world: &World, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize) -> Vec<SeenPlane> {
+fn ground_planes(world: &World, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize) -> Vec<SeenPlane> {
     let sensor = ground::sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
     let of_side = grounds.iter().filter(|(_, ground)| ground.side == side);
     let plane = |(index, ground): &(usize, Ground)| {

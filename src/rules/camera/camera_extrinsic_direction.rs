@@ -53,7 +53,7 @@ impl Rule for CameraExtrinsicDirection {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let of_robot = LazyCell::new(|| OfRobot::new(world));
+        let of_robot = LazyCell::new(|| RobotFrames::new(world));
         for claim in &world.claims {
             let ClaimKind::File { .. } = claim.kind else { continue };
             if !(claim.has_rotation && claim.has_translation) {
@@ -89,13 +89,13 @@ fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
 }
 
 /// The robot's frames by what names in files can mean.
-struct OfRobot<'w> {
+struct RobotFrames<'w> {
     frames: &'w BTreeSet<FrameId>,
     of_kind: BTreeMap<Kind, Vec<&'w FrameId>>,
     numbered: BTreeMap<(Kind, String), Vec<&'w FrameId>>,
 }
 
-impl<'w> OfRobot<'w> {
+impl<'w> RobotFrames<'w> {
     fn new(world: &'w World) -> Self {
         let frames = &world.graph().frames;
         let (mut of_kind, mut numbered) = (BTreeMap::new(), BTreeMap::new());
@@ -149,7 +149,7 @@ fn digits(name: &FrameId) -> Option<String> {
 }
 
 fn judge_claim(
-    (world, of_robot): (&World, &OfRobot),
+    (world, of_robot): (&World, &RobotFrames),
     claim: &Claim,
     stated: &Isometry3<f64>,
     (target, source): (&FrameId, &FrameId),

@@ -1,7 +1,7 @@
 //! CAMERA03: distortion coefficients that do not match their model, or that fold within the image.
 
 use crate::analysis::camera::published::Intrinsics;
-use crate::math::distortion::{Radial, Reach};
+use crate::math::distortion::{RadialModel, Reach};
 use crate::rules::prelude::*;
 
 pub(crate) struct CameraInfoDistortion;
@@ -41,12 +41,14 @@ fn counts(model: &str) -> Option<&'static [usize]> {
 }
 
 /// The radial part of a model.
-fn radial(model: &str, d: &[f64]) -> Option<Radial> {
+fn radial(model: &str, d: &[f64]) -> Option<RadialModel> {
     Some(match (model, d) {
-        ("plumb_bob", [k1, k2, _, _]) => Radial::PlumbBob([*k1, *k2, 0.0]),
-        ("plumb_bob", [k1, k2, _, _, k3]) => Radial::PlumbBob([*k1, *k2, *k3]),
-        ("rational_polynomial", [k1, k2, _, _, k3, k4, k5, k6, ..]) => Radial::Rational([*k1, *k2, *k3, *k4, *k5, *k6]),
-        ("equidistant" | "fisheye", [k1, k2, k3, k4]) => Radial::Fisheye([*k1, *k2, *k3, *k4]),
+        ("plumb_bob", [k1, k2, _, _]) => RadialModel::PlumbBob([*k1, *k2, 0.0]),
+        ("plumb_bob", [k1, k2, _, _, k3]) => RadialModel::PlumbBob([*k1, *k2, *k3]),
+        ("rational_polynomial", [k1, k2, _, _, k3, k4, k5, k6, ..]) => {
+            RadialModel::Rational([*k1, *k2, *k3, *k4, *k5, *k6])
+        }
+        ("equidistant" | "fisheye", [k1, k2, k3, k4]) => RadialModel::Fisheye([*k1, *k2, *k3, *k4]),
         _ => return None,
     })
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::camera::published::{Intrinsics, Published};
+use crate::analysis::camera::published::{Intrinsics, RecordedCamera};
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, camera::ImageForm};
 
@@ -25,8 +25,8 @@ impl Rule for CameraInfoKSize {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let spaces: Vec<BTreeMap<&str, Space>> = world.bags.iter().map(spaces).collect();
-        for published in Published::all(world) {
+        let spaces: Vec<BTreeMap<&str, Namespace>> = world.bags.iter().map(spaces).collect();
+        for published in RecordedCamera::all(world) {
             judge_k(&published.intrinsics(), limits, out);
             let space = spaces.get(published.index).and_then(|of| of.get(published.namespace()));
             let Some(space) = space.filter(|space| !space.images.is_empty()) else {
@@ -50,7 +50,7 @@ impl Rule for CameraInfoKSize {
 
 /// What a namespace holds: its images share its calibration (image_transport).
 #[derive(Default)]
-struct Space<'w> {
+struct Namespace<'w> {
     /// Topics of calibrations.
     calibrations: usize,
     /// Forms of images, each with its topic.
@@ -58,8 +58,8 @@ struct Space<'w> {
 }
 
 /// The namespaces of a recording.
-fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Space<'_>> {
-    let mut spaces: BTreeMap<&str, Space> = BTreeMap::new();
+fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Namespace<'_>> {
+    let mut spaces: BTreeMap<&str, Namespace> = BTreeMap::new();
     for topic in bag.topics.values() {
         let forms = topic.content.images.iter().flat_map(|images| &images.forms);
         let namespace = crate::analysis::camera::published::namespace(&topic.topic);
@@ -184,7 +184,7 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
 }
 
 /// Compares an image's size with the one that is calibrated.
-fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Limits, out: &mut Judge) {
+fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits: &Limits, out: &mut Judge) {
     let calibration = published.calibration;
     let subject = format!("size of `{topic}` against {}", published.subject());
     let [_, _, roi_width, roi_height] = calibration.roi;

@@ -1,8 +1,8 @@
 //! CAMERA05: whether a camera looks at what the lidar sees, and is upright.
 
 use crate::analysis::camera::in_view::{Views, cameras};
-use crate::analysis::camera::looks::{Fault, Limits, Shown};
-use crate::analysis::{camera::published::Published, camera::views::Attitude};
+use crate::analysis::camera::looks::{Fault, Limits, ViewEstimate};
+use crate::analysis::{camera::published::RecordedCamera, camera::views::Attitude};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
@@ -27,9 +27,9 @@ impl Rule for LidarInView {
 
 fn judge_shown(
     world: &World,
-    camera: &Published,
+    camera: &RecordedCamera,
     frame: &FrameId,
-    shown: &Shown,
+    shown: &ViewEstimate,
     subject: String,
     limits: &Limits,
     out: &mut Judge,

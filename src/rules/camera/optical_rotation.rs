@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 
 use nalgebra::Vector3;
 
-use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};
+use crate::analysis::camera::published::{NameAgreement, VERTICAL, looks_against_its_name};
 use crate::analysis::{motion::mount::Mounts, names};
 use crate::rules::prelude::*;
 use crate::world::FrameId;
@@ -91,7 +91,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         return out.fail(better(finding.measured(measured)));
     }
     let looks = turned * Vector3::z();
-    if looks_against_its_name(frame, &looks) == Ways::Against {
+    if looks_against_its_name(frame, &looks) == NameAgreement::Against {
         let message = format!(
             "`{frame}` looks {} in `{}`, against its name: its z axis is {:.0} deg from x",
             if looks.x > 0.0 { "ahead" } else { "back" },

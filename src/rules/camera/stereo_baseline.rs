@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::camera::published::Published;
+use crate::analysis::camera::published::RecordedCamera;
 use crate::rules::prelude::*;
 use crate::world::{World, camera::CameraModel};
 
@@ -25,10 +25,10 @@ impl Rule for StereoBaseline {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let all: Vec<Published> = Published::all(world)
+        let all: Vec<RecordedCamera> = RecordedCamera::all(world)
             .filter(|published| !published.is_uncalibrated())
             .collect();
-        let mut first: BTreeMap<(usize, &str), &Published> = BTreeMap::new();
+        let mut first: BTreeMap<(usize, &str), &RecordedCamera> = BTreeMap::new();
         for published in &all {
             first.entry((published.index, published.topic)).or_insert(published);
         }
@@ -70,7 +70,7 @@ fn baseline(calibration: &CameraModel) -> Option<f64> {
     (fx > 0.0 && tx.is_finite()).then_some(-tx / fx)
 }
 
-fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limits, out: &mut Judge) {
+fn judge_pair(world: &World, left: &RecordedCamera, right: &RecordedCamera, limits: &Limits, out: &mut Judge) {
     let subject = format!("baseline of `{}` and `{}`", left.topic, right.topic);
     let missing = |out: &mut Judge, why: &str| out.missing(&subject, why);
     let (Some(of_left), Some(by_p)) = (baseline(left.calibration), baseline(right.calibration)) else {

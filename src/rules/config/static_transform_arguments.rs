@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::names;
 use crate::rules::prelude::*;
-use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
+use crate::world::launch::{ArgumentForm, ReadObstacle, StaticPublisher};
 use crate::world::{Claim, Spelling};
 
 pub(crate) struct StaticTransformArguments;
@@ -53,7 +53,7 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
     const ADD: &str = "add the period in milliseconds (100), or use the package tf2_ros";
     const REMOVE: &str = "remove the last number: a latched transform has no period";
     let name = &publisher.label;
-    if let Some(Unread::Misread(why)) = &publisher.unread {
+    if let Some(ReadObstacle::Misread(why)) = &publisher.unread {
         let message = format!("static_transform_publisher cannot read the arguments of `{name}`");
         return Some((
             message,
@@ -94,13 +94,13 @@ type ClaimsAt<'w> = BTreeMap<(&'w Place, &'w str), &'w Claim>;
 
 fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
     match &publisher.unread {
-        Some(Unread::Open(what)) => {
+        Some(ReadObstacle::Open(what)) => {
             return out.missing(subject, format!("`{what}` is known only when the file is run"));
         }
-        Some(Unread::Parameter(name)) => {
+        Some(ReadObstacle::Parameter(name)) => {
             return out.missing(subject, format!("the transform is in the parameter `{name}`, which is not read"));
         }
-        Some(Unread::Misread(_)) | None => {}
+        Some(ReadObstacle::Misread(_)) | None => {}
     }
     let Some(claim) = claims.get(&(&publisher.place, publisher.label.as_str())) else {
         return;

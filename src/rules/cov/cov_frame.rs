@@ -4,7 +4,7 @@ mod pairs;
 
 mod limits;
 
-use crate::analysis::cov::declared::{Axes, Declared, each};
+use crate::analysis::cov::declared::{Axes, StreamCovariance, each};
 use crate::analysis::{cov::noise::Noise, motion::Stream};
 use crate::rules::{cov::cov_frame::limits::Limits, prelude::*};
 use crate::world::motion::PoseRow;
@@ -27,7 +27,7 @@ impl Rule for CovFrame {
 }
 
 /// How the axes of a stream's covariances rotate, or why that is unknown.
-fn axes(declared: &Declared<'_>, limits: &Limits) -> Result<Axes, String> {
+fn axes(declared: &StreamCovariance<'_>, limits: &Limits) -> Result<Axes, String> {
     if declared.samples.is_empty() {
         return Err("every covariance is all zeros, or not finite".to_owned());
     }
@@ -64,7 +64,7 @@ fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     ]
 }
 
-fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+fn judge_twist(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of `twist.covariance` on {}", stream.subject);
     let little = NotEvaluated::TooLittleEvidence;
     if declared.is_constant() {
@@ -101,7 +101,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     out.fail(finding.measured(measured));
 }
 
-fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+fn judge_pose(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of `pose.covariance` on {}", stream.subject);
     let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     let axes = match axes(declared, limits) {
@@ -130,7 +130,7 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
         body.stretch >= limits.min_stretch && fixed.stretch <= limits.round,
         fixed.stretch >= limits.min_stretch && body.stretch <= limits.round,
     );
-    let (told_body, told_world) = (
+    let (body_differs, world_differs) = (
         axes.less_yaw > limits.along && axes.constant < limits.across,
         axes.constant > limits.along && axes.less_yaw < limits.across,
     );
@@ -138,7 +138,7 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
         Measured::new("noise, longer over shorter axis in the frame", fixed.stretch, "1").samples(noise.count() as u64),
         Measured::new("noise, longer over shorter axis in the body", body.stretch, "1").samples(noise.count() as u64),
     ]);
-    let (wrong, detail) = match (with_body, with_world, told_body, told_world) {
+    let (wrong, detail) = match (with_body, with_world, body_differs, world_differs) {
         (true, _, true, _) | (_, true, _, true) => return out.pass(&subject, all),
         (true, _, _, true) => (
             "is expressed in body axes, not in its header's frame",
@@ -159,8 +159,8 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
     };
     let message = format!("`{}`: `pose.covariance` {wrong}", stream.topic);
     let finding = Finding::warning(&subject, message, stream.place())
-        .relation(if told_world { "not-rotated" } else { "rotated-twice" })
-        .help(if told_world {
+        .relation(if world_differs { "not-rotated" } else { "rotated-twice" })
+        .help(if world_differs {
             "express it in the header's frame: `C_world = R C_body R^T`, with `R` the orientation of the pose"
         } else {
             "publish the covariance of the position in the header's frame, without rotating it by the orientation"

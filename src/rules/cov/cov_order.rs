@@ -1,6 +1,6 @@
 //! COV02: covariances with rotations before positions.
 
-use crate::analysis::cov::declared::{Declared, each};
+use crate::analysis::cov::declared::{StreamCovariance, each};
 use crate::analysis::cov::fit::{Fit, Reading};
 use crate::analysis::motion::Stream;
 use crate::math::{level::tilt, readings::Reading as Slots};
@@ -35,7 +35,7 @@ impl Rule for CovOrder {
     }
 }
 
-fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+fn judge_stream(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("order of `pose.covariance` on {}", stream.subject);
     if let Some(way_m) = moves_in_a_plane(stream).filter(|way| *way >= limits.way_m)
         && states_tilts_alone(declared)
@@ -46,9 +46,9 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
         Ok(fit) => fit,
         Err(why) => return out.too_little(subject, why),
     };
-    let (told, swapped) = (fit.miss(Reading::AsPublished), fit.miss(Reading::RotationFirst));
+    let (published, swapped) = (fit.miss(Reading::AsPublished), fit.miss(Reading::RotationFirst));
     let measured = [
-        Measured::new("factor to the noise, positions first", told, "1").samples(fit.poses),
+        Measured::new("factor to the noise, positions first", published, "1").samples(fit.poses),
         Measured::new("factor to the noise, rotations first", swapped, "1")
             .limit(limits.fits)
             .samples(fit.poses),
@@ -58,22 +58,22 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
             "1",
         ),
     ];
-    if told <= limits.loosely && told < swapped {
+    if published <= limits.loosely && published < swapped {
         return out.pass(subject, measured);
     }
     let best = fit.best(limits.loosely, limits.margin);
-    let is_swapped = best == Some(Reading::RotationFirst) && told >= limits.misses && fit.order_ratio > 0.0;
+    let is_swapped = best == Some(Reading::RotationFirst) && published >= limits.misses && fit.order_ratio > 0.0;
     if !is_swapped {
         return out.too_little(subject, match best {
             Some(Reading::AsPublished | Reading::RotationFirst) | None => format!(
-                "the variances differ from the noise of the poses by a factor of {told:.1e} as published, and {swapped:.1e} with rotations \
+                "the variances differ from the noise of the poses by a factor of {published:.1e} as published, and {swapped:.1e} with rotations \
                  first: they describe other errors than those from pose to pose"
             ),
             Some(_) => "another unit explains it".to_owned(),
         });
     }
     let message = format!(
-        "`{}`: `pose.covariance` has rotations before positions (off by a factor of {told:.0} as published)",
+        "`{}`: `pose.covariance` has rotations before positions (off by a factor of {published:.0} as published)",
         stream.topic
     );
     let finding = Finding::warning(subject, message, stream.place())
@@ -110,7 +110,7 @@ fn moves_in_a_plane(stream: &Stream<PoseRow>) -> Option<f64> {
 const FLAT: f64 = 1e-6;
 
 /// Whether every matrix has zero variance of x and y, but not of roll and pitch.
-fn states_tilts_alone(declared: &Declared<'_>) -> bool {
+fn states_tilts_alone(declared: &StreamCovariance<'_>) -> bool {
     let alone = |values: &[f64]| {
         let of = |axis: usize| values.get(7 * axis).copied().unwrap_or(f64::NAN);
         of(0) == 0.0 && of(1) == 0.0 && of(3) > 0.0 && of(4) > 0.0
@@ -121,7 +121,7 @@ fn states_tilts_alone(declared: &Declared<'_>) -> bool {
 fn in_a_plane(
     stream: &Stream<PoseRow>,
     subject: String,
-    declared: &Declared<'_>,
+    declared: &StreamCovariance<'_>,
     way_m: f64,
     limits: &Limits,
 ) -> Finding {

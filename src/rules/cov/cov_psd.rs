@@ -22,7 +22,7 @@ impl Rule for CovPsd {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+            for said in bag.topics.values().flat_map(TopicEvidence::contents) {
                 // Messages guessed from plain fields have only the covariances that are among these fields.
                 let is_there = |evidence: &CovarianceEvidence| !said.guessed || evidence.all_zero < evidence.count;
                 for (field, evidence) in said.content.covariances.iter().filter(|(_, all)| is_there(all)) {

@@ -1,6 +1,6 @@
 //! COV05: covariances in other units than m² and rad².
 
-use crate::analysis::cov::declared::{Declared, each};
+use crate::analysis::cov::declared::{StreamCovariance, each};
 use crate::analysis::cov::fit::{Fit, Reading};
 use crate::analysis::motion::Stream;
 use crate::math::noise::DEG2_PER_RAD2;
@@ -126,18 +126,20 @@ fn judge_angles(
     }
 }
 
-fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+fn judge_noise(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("units of `pose.covariance` on {}", stream.subject);
     let fit = match Fit::of(stream, declared, limits.min_poses) {
         Ok(fit) => fit,
         Err(why) => return out.too_little(subject, why),
     };
-    let told = fit.miss(Reading::AsPublished);
+    let published = fit.miss(Reading::AsPublished);
     let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
-    if told <= limits.fits {
-        return out.pass(subject, [factor("factor to the noise, m^2 and rad^2", told)]);
+    if published <= limits.fits {
+        return out.pass(subject, [factor("factor to the noise, m^2 and rad^2", published)]);
     }
-    let best = fit.best(limits.fits, limits.margin).filter(|_| told >= limits.misses);
+    let best = fit
+        .best(limits.fits, limits.margin)
+        .filter(|_| published >= limits.misses);
     let (word, what, help) = match best {
         Some(Reading::Degrees) => (
             "degrees",
@@ -166,7 +168,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
         ),
         Some(Reading::AsPublished) | None => {
             let why = format!(
-                "the variances differ from the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they \
+                "the variances differ from the noise of the poses by a factor of {published:.1e}, and no other unit explains that: they \
                  describe other errors than those from pose to pose"
             );
             return out.too_little(subject, why);
@@ -174,7 +176,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     };
     let best = fit.readings.first().map_or(f64::NAN, |reading| reading.1);
     let message = format!(
-        "`{}`: `pose.covariance` has {what} (off by a factor of {told:.0})",
+        "`{}`: `pose.covariance` has {what} (off by a factor of {published:.0})",
         stream.topic
     );
     out.fail(
@@ -185,6 +187,6 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
             .detail("Read this way, all variances are near the noise from pose to pose; as m^2 and rad^2 one is off.")
             .help(help)
             .measured(factor("factor to the noise, read this way", best))
-            .measured(factor("factor to the noise, m^2 and rad^2", told)),
+            .measured(factor("factor to the noise, m^2 and rad^2", published)),
     );
 }

@@ -2,7 +2,7 @@
 
 use crate::rules::prelude::*;
 use crate::world::BagEvidence;
-use crate::world::bag::{Said, TopicEvidence};
+use crate::world::bag::{TopicContent, TopicEvidence};
 use crate::world::content::{ContentEvidence, ImuEvidence};
 
 pub(crate) struct CovUnknownMarking;
@@ -22,7 +22,7 @@ impl Rule for CovUnknownMarking {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+            for said in bag.topics.values().flat_map(TopicEvidence::contents) {
                 if let Some(imu) = &said.content.imu {
                     judge_imu(bag, &said, imu, limits, out);
                 }
@@ -55,7 +55,7 @@ fn marking(content: &ContentEvidence) -> Marking {
     }
 }
 
-fn judge_imu(bag: &BagEvidence, said: &Said<'_>, imu: &ImuEvidence, limits: &Limits, out: &mut Judge) {
+fn judge_imu(bag: &BagEvidence, said: &TopicContent<'_>, imu: &ImuEvidence, limits: &Limits, out: &mut Judge) {
     let subject = said.subject();
     let marked = marking(said.content);
     let share = |count: u64| count as f64 / (imu.count as f64).max(1.0);

@@ -1,6 +1,6 @@
 //! CROSS04: an inverted mounting transform, by the motions of lidar and body.
 
-use crate::analysis::cross::direction::{Limits, Reading, Seen, look};
+use crate::analysis::cross::direction::{DirectionFit, Limits, Reading, look};
 use crate::analysis::lidar::Clouds;
 use crate::rules::prelude::*;
 
@@ -21,7 +21,7 @@ impl Rule for ExtrinsicDirection {
     }
 }
 
-fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
+fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("direction of the mounting");
     let (published, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
     let measured = [
@@ -48,7 +48,7 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
                 .prefers(
                     seen.known.body.to_string(),
                     seen.known.lidar.to_string(),
-                    seen.known.told.inverse(),
+                    seen.known.stated.inverse(),
                 );
             out.fail(finding.measured(measured));
         }

@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
-use crate::analysis::cross::exact::{Alike, Limits, off_axes_deg};
+use crate::analysis::cross::exact::{Limits, SharedRelations, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
 use crate::analysis::cross::statements::pairs;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
@@ -21,7 +21,7 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let mut alike = Alike::default();
+        let mut alike = SharedRelations::default();
         let mut blamed: Vec<(String, Pair, Classification)> = Vec::new();
         for mut pair in pairs(world, out) {
             let subject = pair.subject(world);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 
-use crate::analysis::cross::aliases::{Candidate, OfFile, Search, Stated};
+use crate::analysis::cross::aliases::{Candidate, FileTransforms, Search, StatedTransform};
 use crate::analysis::cross::exact;
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
@@ -31,7 +31,7 @@ impl Rule for FrameAliases {
         let graph = world.graph();
         let aliases = &world.conventions.aliases;
         let exact = world.limits::<exact::Limits>();
-        let mut asked: Vec<Asked> = Vec::new();
+        let mut asked: Vec<OwnTransform> = Vec::new();
         for claim in &world.claims {
             let file = world.path(claim.place.source);
             let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
@@ -57,12 +57,12 @@ impl Rule for FrameAliases {
                 continue;
             }
             let pose = pose.isometry();
-            let stated = Stated { target, source, pose };
-            asked.push(Asked { claim, dialect, roles: *roles, stated });
+            let stated = StatedTransform { target, source, pose };
+            asked.push(OwnTransform { claim, dialect, roles: *roles, stated });
         }
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
-        let mut of_files: BTreeMap<SourceId, OfFile> = BTreeMap::new();
+        let mut of_files: BTreeMap<SourceId, FileTransforms> = BTreeMap::new();
         for one in &asked {
             of_files.entry(one.claim.place.source).or_default().add(one.stated);
         }
@@ -93,12 +93,12 @@ impl Rule for FrameAliases {
 }
 
 /// A transform that a file states between names of its own.
-struct Asked<'w> {
+struct OwnTransform<'w> {
     claim: &'w Claim,
     dialect: &'w str,
     /// Whether the names are a program's names for its sensors.
     roles: bool,
-    stated: Stated<'w>,
+    stated: StatedTransform<'w>,
 }
 
 /// A transform that may be another one with a convention error.
@@ -116,9 +116,9 @@ impl Suspicion {
     }
 }
 
-impl Asked<'_> {
+impl OwnTransform<'_> {
     fn subject(&self, world: &World) -> String {
-        let Stated { target, source, .. } = self.stated;
+        let StatedTransform { target, source, .. } = self.stated;
         let path = world.path(self.claim.place.source);
         format!("`{target}` and `{source}` of `{}` of {path}", self.claim.label)
     }
@@ -126,12 +126,12 @@ impl Asked<'_> {
 
 fn judge_claim(
     world: &World,
-    one: &Asked,
+    one: &OwnTransform,
     candidates: &[Candidate],
     (limits, exact): (&Limits, &exact::Limits),
     out: &mut Judge,
 ) -> Option<Suspicion> {
-    let &Asked {
+    let &OwnTransform {
         claim,
         dialect,
         roles,

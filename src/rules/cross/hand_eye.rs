@@ -3,7 +3,7 @@
 use crate::analysis::cross::hand_eye::{Limits, at_place, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
-use crate::math::planar_hand_eye::Mounted;
+use crate::math::planar_hand_eye::PlanarMount;
 use crate::rules::prelude::*;
 
 pub(crate) struct HandEyeCalibration;
@@ -28,9 +28,9 @@ impl Rule for HandEyeCalibration {
     }
 }
 
-fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Limits, out: &mut Judge) {
+fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("place of the mounting");
-    let published = known.told.translation.vector.xy();
+    let published = known.stated.translation.vector.xy();
     let off = found.place - published;
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
     let (yaw_deg, sigma_deg, sigma_m) = (
@@ -74,7 +74,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         "The motions of the scans on `{}` and of {} put the lidar at x = {:.2} m, y = {:.2} m; the transform states {:.2} m, {:.2} m.",
         clouds.topic.topic, known.poses.0, found.place.x, found.place.y, published.x, published.y
     );
-    let inverse = known.told.inverse();
+    let inverse = known.stated.inverse();
     let is_inverse = in_plane(&(inverse * inverse)).rotation.angle().to_degrees().abs() <= limits.forward_deg
         && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
     let (relation, detail) = if turned && !moved {

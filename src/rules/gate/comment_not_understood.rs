@@ -1,14 +1,14 @@
 //! GATE03: a comment to frames-lint that has no effect.
 
-use crate::rules::{OfPolicy, prelude::*};
-use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
+use crate::rules::{PolicyRule, prelude::*};
+use crate::verdict::waiver::{CommentFault, WaiverEffect, WaiverKind};
 
 /// The rule.
 pub(crate) struct CommentNotUnderstood;
 
-impl OfPolicy for CommentNotUnderstood {
+impl PolicyRule for CommentNotUnderstood {
 
-    fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge) {
+    fn judge(applied: &[WaiverEffect], misspelt: &[CommentFault], out: &mut Judge) {
         for one in applied.iter().filter(|one| one.waiver.kind == WaiverKind::Comment) {
             out.pass(
                 crate::advice::waiver::subject(&one.waiver),

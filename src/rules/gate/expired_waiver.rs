@@ -1,14 +1,14 @@
 //! GATE02: an acceptance that has expired.
 
-use crate::rules::{OfPolicy, prelude::*};
-use crate::verdict::waiver::{Applied, Misspelt};
+use crate::rules::{PolicyRule, prelude::*};
+use crate::verdict::waiver::{CommentFault, WaiverEffect};
 
 /// The rule.
 pub(crate) struct ExpiredWaiver;
 
-impl OfPolicy for ExpiredWaiver {
+impl PolicyRule for ExpiredWaiver {
 
-    fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
+    fn judge(applied: &[WaiverEffect], _: &[CommentFault], out: &mut Judge) {
         for one in applied {
             let waiver = &one.waiver;
             let Some(until) = &waiver.until else { continue };

@@ -1,14 +1,14 @@
 //! GATE01: an acceptance that matches no finding.
 
-use crate::rules::{OfPolicy, prelude::*};
-use crate::verdict::waiver::{Applied, Misspelt};
+use crate::rules::{PolicyRule, prelude::*};
+use crate::verdict::waiver::{CommentFault, WaiverEffect};
 
 /// The rule.
 pub(crate) struct UnusedWaiver;
 
-impl OfPolicy for UnusedWaiver {
+impl PolicyRule for UnusedWaiver {
 
-    fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
+    fn judge(applied: &[WaiverEffect], _: &[CommentFault], out: &mut Judge) {
         for one in applied {
             let waiver = &one.waiver;
             let subject = crate::advice::waiver::subject(waiver);

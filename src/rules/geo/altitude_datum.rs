@@ -1,6 +1,6 @@
 //! GEO06: heights above mean sea level that are published as heights above the ellipsoid.
 
-use crate::analysis::geo::heights::{Apart, Datum, Heights, Limits};
+use crate::analysis::geo::heights::{Datum, HeightGap, Heights, Limits};
 use crate::analysis::motion::Motion;
 use crate::rules::prelude::*;
 
@@ -103,7 +103,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
     out.too_little(subject, undecided.join("; "));
 }
 
-fn relation(apart: Apart, undulation_m: f64, limits: &Limits) -> Relation {
+fn relation(apart: HeightGap, undulation_m: f64, limits: &Limits) -> Relation {
     let is =
         |height_m: f64| apart.spread_m <= limits.max_spread_m && (apart.median_m - height_m).abs() <= limits.max_off_m;
     if is(0.0) {
@@ -117,15 +117,15 @@ fn relation(apart: Apart, undulation_m: f64, limits: &Limits) -> Relation {
     }
 }
 
-fn negated(apart: Apart) -> Apart {
-    Apart {
+fn negated(apart: HeightGap) -> HeightGap {
+    HeightGap {
         median_m: -apart.median_m,
         ..apart
     }
 }
 
 /// The heights of `low` lack the undulation that those of `sound` have.
-fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: Apart, undulation_m: f64) -> Finding {
+fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: HeightGap, undulation_m: f64) -> Finding {
     let low_or_high = if apart.median_m < 0.0 { "low" } else { "high" };
     let (what, detail, help) = if low.datum == Datum::Map {
         (

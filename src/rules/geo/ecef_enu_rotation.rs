@@ -1,7 +1,7 @@
 //! GEO02: the rotation between the Earth's frame and a local one.
 
-use crate::analysis::geo::earth::OnEarth;
-use crate::analysis::geo::level::{Limits, Seen, expected, see};
+use crate::analysis::geo::earth::EarthPose;
+use crate::analysis::geo::level::{EarthAttitude, Limits, expected, see};
 use crate::math::earth_turns::{EarthTurn, shown};
 use crate::rules::prelude::*;
 
@@ -12,13 +12,13 @@ impl Rule for EcefEnuRotation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for stated in OnEarth::all(world) {
+        for stated in EarthPose::all(world) {
             judge_one(&stated, limits, out);
         }
     }
 }
 
-fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
+fn judge_one(stated: &EarthPose, limits: &Limits, out: &mut Judge) {
     let subject = stated.subject.as_str();
     let (earth, local) = (&stated.earth, &stated.local);
     if !stated.is_local() {
@@ -57,7 +57,7 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
     out.fail(wrong(stated, &worst, limits).measured(measured));
 }
 
-fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
+fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Finding {
     let (earth, local) = (&stated.earth, &stated.local);
     let (latitude, longitude) = (
         seen.origin.latitude_rad.to_degrees(),

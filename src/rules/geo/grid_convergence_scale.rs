@@ -1,6 +1,6 @@
 //! GEO04: a map that is rotated and scaled like the UTM grid.
 
-use crate::analysis::geo::grid::{Grid, Laid};
+use crate::analysis::geo::grid::{Grid, GridFit};
 use crate::analysis::geo::overlay::{Overlay, is_way};
 use crate::analysis::motion::{Motion, Stream};
 use crate::analysis::names;
@@ -66,7 +66,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
         let why = "the poses do not follow the fixes: no rotation, scale and shift takes one track to the other";
         return out.not_evaluated(subject, too_little, why);
     }
-    let Some(laid) = Laid::of(&overlay, limits.blocks) else {
+    let Some(grid_fit) = GridFit::of(&overlay, limits.blocks) else {
         return out.not_applicable(
             subject,
             "the place is outside of the UTM zones, or the platform does not move",
@@ -75,24 +75,31 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     let receiver = overlay.receiver_deviation(limits.errors_last_s, limits.untold_m);
     let sigmas = |angle_rad: f64, scale: f64| (limits.sigmas * angle_rad.to_degrees(), limits.sigmas * scale);
     // A grid is recognised by the scatter alone; that it is none must hold for all errors that the receiver may have.
-    let narrow = sigmas(laid.deviations.0, laid.deviations.1);
-    let (angle_deg, scale) = sigmas(laid.deviations.0.hypot(receiver), laid.deviations.1.hypot(receiver));
+    let narrow = sigmas(grid_fit.deviations.0, grid_fit.deviations.1);
+    let (angle_deg, scale) = sigmas(
+        grid_fit.deviations.0.hypot(receiver),
+        grid_fit.deviations.1.hypot(receiver),
+    );
     let fits = |grid: &Grid, (angle_deg, scale): (f64, f64)| {
-        let (angle_off, scale_off) = laid.beside(grid);
+        let (angle_off, scale_off) = grid_fit.beside(grid);
         angle_off.abs().to_degrees() <= limits.max_angle_deg + angle_deg && scale_off.abs() <= limits.max_scale + scale
     };
-    let measured = measured(&laid, points as u64, limits);
-    if !laid.grids.iter().any(|grid| fits(grid, (angle_deg, scale))) {
+    let measured = measured(&grid_fit, points as u64, limits);
+    if !grid_fit.grids.iter().any(|grid| fits(grid, (angle_deg, scale))) {
         return out.pass(subject, measured);
     }
     let is_sure = narrow.0 <= limits.max_angle_deg && narrow.1 <= limits.max_scale;
-    let found = laid.grids.iter().find(|grid| fits(grid, narrow)).filter(|_| is_sure);
+    let found = grid_fit
+        .grids
+        .iter()
+        .find(|grid| fits(grid, narrow))
+        .filter(|_| is_sure);
     let Some(grid) = found else {
         let why = format!(
             "the poses are rotated by {:.2} +- {angle_deg:.2} deg and scaled by {:.5} +- {scale:.5} from the fixes: too uncertain to \
              distinguish ENU from the UTM grid (within {} deg and {} is needed)",
-            laid.fit.angle_rad.to_degrees(),
-            laid.fit.scale,
+            grid_fit.fit.angle_rad.to_degrees(),
+            grid_fit.fit.scale,
             limits.max_angle_deg,
             limits.max_scale
         );
@@ -116,7 +123,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
     if is_meant(poses.frame.as_ref(), grid, limits) || world.origins.iter().any(is_said) {
         return out.pass(subject, measured);
     }
-    let finding = finding(&subject, &overlay, poses, fixes, &laid, grid);
+    let finding = finding(&subject, &overlay, poses, fixes, &grid_fit, grid);
     out.fail(finding.measured(measured));
 }
 
@@ -127,17 +134,17 @@ fn is_meant(frame: Option<&FrameId>, grid: &Grid, limits: &Limits) -> bool {
         || grid.off_in_square_m <= limits.on_grid_m
 }
 
-fn measured(laid: &Laid, points: u64, limits: &Limits) -> Vec<Measured> {
+fn measured(grid_fit: &GridFit, points: u64, limits: &Limits) -> Vec<Measured> {
     let mut all = vec![
-        Measured::new("rotation from east, north", laid.fit.angle_rad.to_degrees(), "deg")
-            .spread(laid.deviations.0.to_degrees())
+        Measured::new("rotation from east, north", grid_fit.fit.angle_rad.to_degrees(), "deg")
+            .spread(grid_fit.deviations.0.to_degrees())
             .samples(points),
-        Measured::new("scale from east, north", laid.fit.scale, "1")
-            .spread(laid.deviations.1)
+        Measured::new("scale from east, north", grid_fit.fit.scale, "1")
+            .spread(grid_fit.deviations.1)
             .samples(points),
     ];
-    if let Some(grid) = laid.grids.first() {
-        let (angle, scale) = laid.beside(grid);
+    if let Some(grid) = grid_fit.grids.first() {
+        let (angle, scale) = grid_fit.beside(grid);
         all.push(
             Measured::new("rotation from the UTM grid", angle.to_degrees(), "deg")
                 .turn()
@@ -153,15 +160,15 @@ fn finding(
     overlay: &Overlay,
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
-    laid: &Laid,
+    grid_fit: &GridFit,
     grid: &Grid,
 ) -> Finding {
     let frame = poses.frame.as_ref().map_or("?", FrameId::as_str);
     let (from, to) = overlay.span_s();
-    let (angle, of_grid) = (laid.fit.angle_rad.to_degrees(), grid.fit.angle_rad.to_degrees());
+    let (angle, of_grid) = (grid_fit.fit.angle_rad.to_degrees(), grid.fit.angle_rad.to_degrees());
     let message = format!(
         "{}: `{frame}` is the grid of UTM zone {}, not ENU: rotated by {angle:.3} deg, scaled by {:.5}",
-        poses.subject, grid.zone, laid.fit.scale
+        poses.subject, grid.zone, grid_fit.fit.scale
     );
     let aside = 1e3 * grid.fit.angle_rad.sin().abs();
     let longer = 1e3 * (grid.fit.scale - 1.0);
@@ -170,8 +177,8 @@ fn finding(
          scaled by {:.5} here, ENU by 0 and 1. Headings from true north are off by {of_grid:.2} deg in this frame, and over 1 km a \
          point is {aside:.1} m to the side and {longer:+.2} m along.",
         fixes.topic,
-        laid.deviations.0.to_degrees(),
-        laid.deviations.1,
+        grid_fit.deviations.0.to_degrees(),
+        grid_fit.deviations.1,
         grid.fit.scale,
     );
     Finding::warning(subject, message, poses.place())

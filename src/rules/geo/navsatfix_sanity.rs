@@ -12,7 +12,7 @@ impl Rule for NavsatfixSanity {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+            for said in bag.topics.values().flat_map(TopicEvidence::contents) {
                 if let Some(fixes) = said.content.fixes.as_ref() {
                     judge_fixes(world, bag, &said.subject(), fixes, limits, out);
                 }

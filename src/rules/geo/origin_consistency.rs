@@ -4,7 +4,7 @@ mod own;
 
 use nalgebra::Vector3;
 
-use crate::analysis::geo::apart::{between, direction, told};
+use crate::analysis::geo::apart::{between, direction, position_text};
 use crate::analysis::geo::origins::{Limits, origins};
 use crate::math::geoid::undulation_m;
 use crate::rules::prelude::*;
@@ -129,9 +129,9 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     let detail = format!(
         "{} has {}, {} has {}{}.{}",
         named(reference),
-        told(reference),
+        position_text(reference),
         named(other),
-        told(other),
+        position_text(other),
         direction(&apart),
         geoid_m.map_or(String::new(), |n| format!(
             " They differ in height alone, by the geoid undulation here ({n:.1} m): one height is above mean sea level."

@@ -1,9 +1,9 @@
 //! GEO05: how far from its origin a tangent plane is used.
 
-use crate::analysis::geo::curvature::{Curvature, Follows};
+use crate::analysis::geo::curvature::{Curvature, HeightModel};
 use crate::analysis::geo::overlay::{Overlay, is_way};
 use crate::analysis::motion::{Motion, Stream};
-use crate::analysis::{geo::earth::OnEarth, geo::plane::Plane};
+use crate::analysis::{geo::earth::EarthPose, geo::plane::Plane};
 use crate::math::geodesy::{Geodetic, tangent_departure_m};
 use crate::rules::prelude::*;
 use crate::world::motion::PoseRow;
@@ -33,7 +33,7 @@ impl Rule for TangentPlaneRange {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let stated = OnEarth::all(world);
+        let stated = EarthPose::all(world);
         for bag in &Motion::of(world).bags {
             let mut planes: Vec<Plane<'_>> = stated
                 .iter()
@@ -44,10 +44,10 @@ impl Rule for TangentPlaneRange {
                 judge_plane(plane, limits, out);
             }
             for fixes in &bag.fixes {
-                let is_untold = |poses: &&Stream<PoseRow>| {
+                let is_unstated = |poses: &&Stream<PoseRow>| {
                     is_way(poses) && planes.iter().all(|plane| Some(plane.local) != poses.frame.as_ref())
                 };
-                for poses in bag.poses.iter().filter(is_untold) {
+                for poses in bag.poses.iter().filter(is_unstated) {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     let fitted = Overlay::of(world, poses, fixes).and_then(|overlay| {
                         let fit = overlay.fit(limits.follow_scale, limits.follow_share)?;
@@ -101,9 +101,9 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         .as_ref()
         .map(|(curvature, who)| (curvature.follows(limits.sigmas, limits.share), who));
     let (local, km) = (plane.local, distance_m / 1e3);
-    let is_open = plane.has_poses && !matches!(heights, Some((Follows::Plane | Follows::Altitude, _)));
+    let is_open = plane.has_poses && !matches!(heights, Some((HeightModel::Plane | HeightModel::Altitude, _)));
     let finding = match heights {
-        Some((Follows::Altitude, poses)) if departure_m > limits.max_departure_m => {
+        Some((HeightModel::Altitude, poses)) if departure_m > limits.max_departure_m => {
             let message = format!(
                 "{poses}: z is altitude, not height over the plane of `{local}`: {departure_m:.2} m off at {km:.1} km"
             );
@@ -181,9 +181,9 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
         .as_ref()
         .map(|curvature| curvature.follows(limits.sigmas, limits.share))
     {
-        Some(Follows::Altitude) => out.pass(subject, measured),
-        Some(Follows::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
-        Some(Follows::Plane) => {
+        Some(HeightModel::Altitude) => out.pass(subject, measured),
+        Some(HeightModel::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
+        Some(HeightModel::Plane) => {
             let message = format!(
                 "{subject}: z is height over a plane, {departure_m:.2} m from altitude at {:.1} km",
                 distance_m / 1e3

@@ -36,7 +36,7 @@ impl Rule for FrameCaseMismatch {
             let members = numbered.map(|(number, component)| component.members.iter().map(move |frame| (frame, number)));
             members.flatten().collect()
         });
-        let spelled = LazyCell::new(|| places::Spelled::of(world));
+        let spelled = LazyCell::new(|| places::NamePlaces::of(world));
         for spellings in groups.values().filter(|spellings| spellings.len() > 1) {
             let right = spellings
                 .iter()
@@ -86,7 +86,7 @@ fn defined_in(uses: &[&FrameUse]) -> BTreeSet<SourceId> {
 }
 
 fn judge_pair(
-    (world, trees, spelled_at): (&World, &BTreeMap<&FrameId, usize>, &places::Spelled),
+    (world, trees, spelled_at): (&World, &BTreeMap<&FrameId, usize>, &places::NamePlaces),
     (odd, odd_uses): (&FrameId, &Vec<&FrameUse>),
     (right, right_uses): (&FrameId, &Vec<&FrameUse>),
 ) -> Option<Finding> {

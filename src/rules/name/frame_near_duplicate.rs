@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::near::{Names, Near, Reach};
+use crate::analysis::near::{Names, Reach, SimilarName};
 use crate::analysis::{names, spelling};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, FrameRole, FrameUse, World};
@@ -66,7 +66,7 @@ impl Rule for FrameNearDuplicate {
     }
 }
 
-fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, limits: &Limits) -> Finding {
+fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &SimilarName, limits: &Limits) -> Finding {
     let used = uses.iter().min_by_key(|used| (used.role, &used.place));
     let (words, place) = used.map_or(("frame", None), |used| (used.role.words(), Some(used.place.clone())));
     let place = place.or_else(|| crate::analysis::places::first(world, frame));

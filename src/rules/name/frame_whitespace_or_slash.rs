@@ -21,7 +21,7 @@ impl Rule for FrameWhitespaceOrSlash {
         for used in world.frames.iter().filter(|used| is_name(used)) {
             spelled.entry(&used.frame).or_default().push(used);
         }
-        let mut groups: BTreeMap<(SourceId, Grade), Vec<Wrong>> = BTreeMap::new();
+        let mut groups: BTreeMap<(SourceId, Grade), Vec<FaultyName>> = BTreeMap::new();
         for (frame, uses) in &spelled {
             let worst = uses
                 .iter()
@@ -31,12 +31,12 @@ impl Rule for FrameWhitespaceOrSlash {
                 });
             if let Some((grade, used)) = worst {
                 let count = crate::math::stats::total(uses.iter().map(|used| used.count.max(1)));
-                let wrong = Wrong { frame, used, count };
+                let wrong = FaultyName { frame, used, count };
                 groups.entry((used.place.source, grade)).or_default().push(wrong);
             }
         }
         let texts = LazyCell::new(|| Texts {
-            spelled: places::Spelled::of(world),
+            spelled: places::NamePlaces::of(world),
             links: world.robots.iter().flat_map(|robot| &robot.links).map(|link| link.name.value.as_str()).collect(),
         });
         for ((_, grade), names) in &groups {
@@ -61,7 +61,7 @@ const MANY: usize = 3;
 type Grade = (Severity, Confidence, Fault);
 
 /// A name that is wrong, its most severe use and how often it is used.
-struct Wrong<'a> {
+struct FaultyName<'a> {
     frame: &'a FrameId,
     used: &'a FrameUse,
     count: u64,
@@ -69,7 +69,7 @@ struct Wrong<'a> {
 
 /// What renaming needs.
 struct Texts<'a> {
-    spelled: places::Spelled<'a>,
+    spelled: places::NamePlaces<'a>,
     links: BTreeSet<&'a str>,
 }
 
@@ -95,8 +95,8 @@ fn judge_use(world: &World, used: &FrameUse) -> Option<Grade> {
 }
 
 /// One finding for a name, or for the many names of one source that share a fault.
-fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade, names: &[Wrong]) -> Finding {
-    let shown = |wrong: &Wrong| FrameId::new(wrong.frame.as_str().escape_debug().to_string());
+fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade, names: &[FaultyName]) -> Finding {
+    let shown = |wrong: &FaultyName| FrameId::new(wrong.frame.as_str().escape_debug().to_string());
     let first = names.iter().min_by_key(|wrong| (wrong.used.role, &wrong.used.place));
     let place = first.map_or_else(|| Place::whole(SourceId(0)), |wrong| wrong.used.place.clone());
     let listed = tf::listed(&names.iter().map(shown).collect::<Vec<_>>());

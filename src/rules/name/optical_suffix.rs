@@ -3,7 +3,7 @@
 use nalgebra::UnitQuaternion;
 
 use crate::advice::places;
-use crate::analysis::name::optical::{Limits, OPTICAL_RPY, off, tells};
+use crate::analysis::name::optical::{Limits, OPTICAL_RPY, is_conclusive, off};
 use crate::analysis::{names, optical::mounts};
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
 use crate::math::{constants::AxisTurn, rotation::rotation_angle_between};
@@ -42,7 +42,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     if deg <= limits.exact_deg {
         return out.pass(subject, [measured]);
     }
-    if !tells(worst, limits) {
+    if !is_conclusive(worst, limits) {
         let why = format!(
             "`{}` is not this camera's own link, so the camera may be mounted at any angle",
             worst.parent

@@ -4,10 +4,10 @@ use nalgebra::Isometry3;
 
 use crate::advice::{literal::with_fix, restate::restated};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::cross::angles::{Explained, Limits, Unit};
+use crate::analysis::cross::angles::{Limits, OrderMatch, Unit};
 use crate::analysis::cross::pair::{Pair, Statement};
 use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{axes::causes::Turn, cross::angles, cross::statements::pairs, quat::by_gyro::Ordered};
+use crate::analysis::{axes::causes::Turn, cross::angles, cross::statements::pairs, quat::by_gyro::GyroOrder};
 use crate::math::euler::Order;
 use crate::rules::prelude::*;
 use crate::source::Confidence;
@@ -53,7 +53,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return out.fail(pair.point_at_all(finding));
     }
     let stated = [pair.reference.rpy, pair.other.rpy];
-    if !stated.into_iter().flatten().any(|rpy| angles::can_tell(rpy, limits)) {
+    if !stated.into_iter().flatten().any(|rpy| angles::is_distinctive(rpy, limits)) {
         let why = format!(
             "fewer than two of the angles are more than {} deg off the axes, so another order cannot be distinguished from a rotation by \
              90 deg",
@@ -65,7 +65,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     out.not_applicable(subject, why);
 }
 
-fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> Finding {
+fn finding(world: &World, pair: &Pair, subject: String, found: &OrderMatch, limits: &Limits) -> Finding {
     let (angles, against): (&Statement, &Statement) = if found.of_other {
         (&pair.other, &pair.reference)
     } else {
@@ -128,7 +128,7 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limit
 }
 
 /// The word of the relation dictionary, if it has one for this order.
-fn word(found: &Explained) -> String {
+fn word(found: &OrderMatch) -> String {
     let word = found.order.word();
     let own = match (word.as_str(), found.of_other) {
         ("euler-xyz", true) => "rpy-fixed".to_owned(),
@@ -189,7 +189,7 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
     }
 }
 
-fn of_sensor(imu: &Imu, subject: String, ordered: &Ordered) -> Finding {
+fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
     let product = ordered.order.product();
     let message = format!(
         "`{}`: quaternion is composed as {product} (residual {:.1} %)",

@@ -2,9 +2,9 @@
 
 use nalgebra::UnitQuaternion;
 
-use crate::advice::{diagnosis::rule_of, together::tell_once};
+use crate::advice::{diagnosis::rule_of, together::report_once};
 use crate::analysis::motion::{BagMotion, Motion};
-use crate::analysis::quat::oriented::{Claim, Oriented, oriented};
+use crate::analysis::quat::oriented::{Claim, OrientationStream, oriented};
 use crate::math::constants::AxisTurn;
 use crate::math::sides::{Constant, Sides, sides};
 use crate::rules::prelude::*;
@@ -49,10 +49,16 @@ fn judge_bag(world: &Estimates, motion: &Motion, bag: &BagMotion, limits: &Limit
         };
         off.extend(judge_pair(a, b, claim, limits, out));
     }
-    tell_once(off, "differ in the same way", out);
+    report_once(off, "differ in the same way", out);
 }
 
-fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &mut Judge) -> Option<Finding> {
+fn judge_pair(
+    a: &OrientationStream,
+    b: &OrientationStream,
+    claim: Claim,
+    limits: &Limits,
+    out: &mut Judge,
+) -> Option<Finding> {
     let subject = format!("{} against {}", b.subject, a.subject);
     let mut little = |why: String| {
         out.too_little(&subject, why);
@@ -118,8 +124,8 @@ fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
 
 /// Orientations of both at the times of `a`; of the same body if the bodies are tied.
 fn pairs(
-    a: &Oriented,
-    b: &Oriented,
+    a: &OrientationStream,
+    b: &OrientationStream,
     claim: &Claim,
     limits: &Limits,
 ) -> Vec<(UnitQuaternion<f64>, UnitQuaternion<f64>)> {
@@ -132,8 +138,8 @@ fn pairs(
 }
 
 fn contradiction(
-    a: &Oriented,
-    b: &Oriented,
+    a: &OrientationStream,
+    b: &OrientationStream,
     claim: &Claim,
     constant: &Constant,
     subject: &str,

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use crate::advice::tally::Tally;
 use crate::analysis::quat::level::Limits;
-use crate::analysis::quat::listed::{Listed, Slot, said_by_key};
+use crate::analysis::quat::listed::{QuaternionList, Slot, said_by_key};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::world::{ClaimKind, Spelling, World};
@@ -20,13 +20,13 @@ impl Rule for QuaternionOrderStatic {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("quaternions");
-        let mut bare: BTreeMap<SourceId, Vec<Listed>> = BTreeMap::new();
+        let mut bare: BTreeMap<SourceId, Vec<QuaternionList>> = BTreeMap::new();
         for claim in &world.claims {
             let ClaimKind::File { .. } = claim.kind else { continue };
             let Spelling::Quaternion { xyzw, order_known, .. } = claim.spelling else {
                 continue;
             };
-            let listed = Listed::of(claim, xyzw, limits.scalar);
+            let listed = QuaternionList::of(claim, xyzw, limits.scalar);
             if !order_known {
                 bare.entry(claim.place.source).or_default().push(listed);
             } else if let Some(said) = said_by_key(&claim.label)
@@ -46,13 +46,13 @@ impl Rule for QuaternionOrderStatic {
 }
 
 /// Only an exact identity in the other order contradicts: a rotation by 180 degrees about x or z is rare, but real.
-fn contradicts(said: Slot, listed: &Listed) -> bool {
+fn contradicts(said: Slot, listed: &QuaternionList) -> bool {
     let is_zero = |value: &f64| *value == 0.0;
     let [first, rest @ ..] = listed.written;
     said == Slot::Last && is_zero(&(first - 1.0)) && rest.iter().all(is_zero)
 }
 
-fn judge_bare(world: &World, source: SourceId, listed: &[Listed], right: &mut Tally, out: &mut Judge) {
+fn judge_bare(world: &World, source: SourceId, listed: &[QuaternionList], right: &mut Tally, out: &mut Judge) {
     let of = |slot: Slot| listed.iter().filter(move |one| one.slot == slot);
     let (first, last) = (of(Slot::First).count(), of(Slot::Last).count());
     match (of(Slot::First).next(), of(Slot::Last).next()) {
@@ -66,7 +66,7 @@ fn judge_bare(world: &World, source: SourceId, listed: &[Listed], right: &mut Ta
     }
 }
 
-fn mixed(world: &World, odd: &Listed, usual: &Listed, first: usize, last: usize) -> Finding {
+fn mixed(world: &World, odd: &QuaternionList, usual: &QuaternionList, first: usize, last: usize) -> Finding {
     let message = format!(
         "`{}` and `{}` are in different quaternion orders",
         odd.claim.label, usual.claim.label
@@ -88,7 +88,7 @@ fn mixed(world: &World, odd: &Listed, usual: &Listed, first: usize, last: usize)
     .help("write all quaternions of the file in one order, and name it in the key (x, y, z, w)")
 }
 
-fn scalar_first(world: &World, one: &Listed, first: usize) -> Finding {
+fn scalar_first(world: &World, one: &QuaternionList, first: usize) -> Finding {
     let message = format!(
         "`{}` may be in the order w, x, y, z: the file does not state the order",
         one.claim.label
@@ -101,7 +101,7 @@ fn scalar_first(world: &World, one: &Listed, first: usize) -> Finding {
         .help("name the order of the four numbers in the file: ROS, tf2 and Eigen's memory use x, y, z, w")
 }
 
-fn against_key(world: &World, one: &Listed, said: Slot) -> Finding {
+fn against_key(world: &World, one: &QuaternionList, said: Slot) -> Finding {
     let word = if said == Slot::Last { "xyzw" } else { "wxyz" };
     let message = format!(
         "`{}` names the order {word}, but {} is the identity in the other order",

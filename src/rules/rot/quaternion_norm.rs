@@ -2,7 +2,7 @@
 
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
-use crate::analysis::{places::cover, rot::quaternions, rot::quaternions::Stated};
+use crate::analysis::{places::cover, rot::quaternions, rot::quaternions::StatedQuaternion};
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
 use crate::rules::prelude::*;
 use crate::verdict::Safety;
@@ -39,7 +39,7 @@ impl Rule for QuaternionNorm {
     }
 }
 
-fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tally, out: &mut Judge) {
+fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right: &mut Tally, out: &mut Judge) {
     let norm = quaternion_norm(stated.xyzw);
     // NaN and zero are ROT05's.
     if !norm.is_finite() || norm <= quaternions::ZERO_NORM {

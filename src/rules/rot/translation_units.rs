@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
-use crate::analysis::rot::translations::{Stated, by_source};
+use crate::analysis::rot::translations::{StatedTranslation, by_source};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::verdict::Safety;
@@ -46,11 +46,11 @@ impl Rule for TranslationUnits {
             // The longest plausible translation: the reference for the others of the source.
             let usual = group
                 .iter()
-                .map(Stated::norm)
+                .map(StatedTranslation::norm)
                 .filter(|norm| *norm < limits.far_m)
                 .fold(0.0, f64::max);
             // Where many are between the usual ones and the longest, none is an outlier: positions on a path, a map of landmarks.
-            let between = |other: &&Stated| (limits.far_m..limits.outlier * usual).contains(&other.norm());
+            let between = |other: &&StatedTranslation| (limits.far_m..limits.outlier * usual).contains(&other.norm());
             let is_spread = group.iter().filter(between).count() > limits.many;
             let (longest, second) = two_longest(&group);
             let is_many = group.len() > limits.many;
@@ -80,10 +80,10 @@ impl Rule for TranslationUnits {
 }
 
 /// The two longest translations, the longest first; 0 where there is none.
-fn two_longest(group: &[Stated]) -> (f64, f64) {
+fn two_longest(group: &[StatedTranslation]) -> (f64, f64) {
     group
         .iter()
-        .map(Stated::norm)
+        .map(StatedTranslation::norm)
         .fold((0.0, 0.0), |(first, second), norm| {
             if norm > first {
                 (norm, first)
@@ -94,7 +94,7 @@ fn two_longest(group: &[Stated]) -> (f64, f64) {
 }
 
 /// Certain: another source states the same mounting a thousand or a hundred times shorter.
-fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pairs, limits: &Limits) -> Option<Finding> {
+fn against_others(world: &World, source: SourceId, stated: &StatedTranslation, pairs: &Pairs, limits: &Limits) -> Option<Finding> {
     let (target, from) = stated.frames.as_ref()?;
     let here = Vector3::from(stated.xyz);
     let others = pairs.others(target, from, source);
@@ -128,7 +128,7 @@ fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pair
 fn by_size(
     world: &World,
     source: SourceId,
-    stated: &Stated,
+    stated: &StatedTranslation,
     (usual, far): (f64, f64),
     limits: &Limits,
 ) -> Option<Finding> {
@@ -166,11 +166,11 @@ fn by_size(
     Some(finish(world, finding.relation("millimetres"), source, stated, 1000.0))
 }
 
-fn subject(world: &World, source: SourceId, stated: &Stated) -> String {
+fn subject(world: &World, source: SourceId, stated: &StatedTranslation) -> String {
     format!("{} of {}", stated.name, world.path(source))
 }
 
-fn finish(world: &World, finding: Finding, source: SourceId, stated: &Stated, factor: f64) -> Finding {
+fn finish(world: &World, finding: Finding, source: SourceId, stated: &StatedTranslation, factor: f64) -> Finding {
     let finding = finding
         .label("read as metres")
         .help(format!(

@@ -27,13 +27,13 @@ pub(crate) struct Limits {
 
 /// A multiple of pi with too few digits.
 #[derive(Debug)]
-struct Truncated<'a> {
+struct TruncatedPi<'a> {
     name: String,
     literal: &'a Literal,
     exact: f64,
 }
 
-impl Truncated<'_> {
+impl TruncatedPi<'_> {
     fn error_rad(&self) -> f64 {
         (self.literal.value - self.exact).abs()
     }
@@ -46,11 +46,11 @@ impl Rule for TruncatedLiteral {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let all = stated(world);
         let mut right = Tally::new("angles");
-        let mut found: BTreeMap<SourceId, Vec<Truncated>> = BTreeMap::new();
+        let mut found: BTreeMap<SourceId, Vec<TruncatedPi>> = BTreeMap::new();
         for angles in &all {
             let source = angles.place.source;
             for literal in angles.radian_literals() {
-                let short = meant(literal.value, limits.nearest_rad).map(|exact| Truncated {
+                let short = meant(literal.value, limits.nearest_rad).map(|exact| TruncatedPi {
                     name: angles.name.clone(),
                     literal,
                     exact,
@@ -62,7 +62,7 @@ impl Rule for TruncatedLiteral {
             }
         }
         for (source, mut short) in found {
-            let by_error = |a: &Truncated, b: &Truncated| b.error_rad().total_cmp(&a.error_rad());
+            let by_error = |a: &TruncatedPi, b: &TruncatedPi| b.error_rad().total_cmp(&a.error_rad());
             short.sort_by(|a, b| by_error(a, b).then(a.literal.span.cmp(&b.literal.span)));
             if let Some(finding) = finding(world, source, &short, limits) {
                 out.fail(finding);
@@ -76,9 +76,9 @@ fn lateral_mm(error_rad: f64, limits: &Limits) -> f64 {
     limits.range_m * error_rad.sin() * 1000.0
 }
 
-fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits) -> Option<Finding> {
+fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limits) -> Option<Finding> {
     let worst = short.first()?;
-    let place = |short: &Truncated| Place::text(source, short.literal.span);
+    let place = |short: &TruncatedPi| Place::text(source, short.literal.span);
     let error_mm = lateral_mm(worst.error_rad(), limits);
     let others = match short.len() - 1 {
         0 => String::new(),

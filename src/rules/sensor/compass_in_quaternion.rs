@@ -5,7 +5,7 @@ mod clockwise;
 use crate::advice::diagnosis::defer;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws};
-use crate::analysis::sensor::yaw_zero::{Found, Limits, by_compass, by_track};
+use crate::analysis::sensor::yaw_zero::{Limits, YawZero, by_compass, by_track};
 use crate::analysis::{axes::worlds::Worlds, motion::mount::mount};
 use crate::math::{level::level, readings::Reading};
 use crate::rules::prelude::*;
@@ -15,7 +15,7 @@ use crate::world::motion::{OrientationRow, PoseRow, Row};
 pub(crate) struct CompassInQuaternion;
 
 /// What a yaw can be compared with, and the limits.
-struct Against<'a> {
+struct YawReferences<'a> {
     compasses: &'a [Compass],
     tracks: &'a Tracks,
     turns: &'a crate::analysis::axes::heading::Limits,
@@ -32,7 +32,7 @@ impl Rule for CompassInQuaternion {
         for (index, bag) in motion.bags.iter().enumerate() {
             let tracks = bag.tracks(|frame| worlds.is_off(index, frame));
             let compasses = bag.compasses();
-            let against = Against {
+            let against = YawReferences {
                 compasses: &compasses,
                 tracks: &tracks,
                 turns: &turns,
@@ -57,8 +57,8 @@ fn is_way(stream: &Stream<PoseRow>) -> bool {
     stream.child.is_none() && !has_twist && stream.is_of_world() && !stream.is_earth_centred()
 }
 
-impl Against<'_> {
-    fn by_compasses(&self, yaws: &Yaws, needs_turn: bool) -> Option<Found> {
+impl YawReferences<'_> {
+    fn by_compasses(&self, yaws: &Yaws, needs_turn: bool) -> Option<YawZero> {
         let mut all = self.compasses.iter();
         all.find_map(|compass| by_compass(yaws, compass, needs_turn, self.turns, self.limits))
     }
@@ -126,7 +126,7 @@ impl Against<'_> {
         &self,
         stream: &Stream<R>,
         subject: String,
-        found: &Found,
+        found: &YawZero,
         better: impl FnOnce(Finding) -> Finding,
         out: &mut Judge,
     ) {

@@ -74,8 +74,8 @@ fn off_deg(turn: &UnitQuaternion<f64>, target: &DatasetFrame, source: &DatasetFr
     let [body_from_target, body_from_source] = [target, source].map(|frame| rotation(&frame.axes));
     if target.any_yaw || source.any_yaw {
         let up = Vector3::z();
-        let told = turn * (body_from_source.inverse() * up);
-        return told.angle(&(body_from_target.inverse() * up)).to_degrees();
+        let stated = turn * (body_from_source.inverse() * up);
+        return stated.angle(&(body_from_target.inverse() * up)).to_degrees();
     }
     let expected = body_from_target.inverse() * body_from_source;
     expected.angle_to(turn).to_degrees()
@@ -84,9 +84,9 @@ fn off_deg(turn: &UnitQuaternion<f64>, target: &DatasetFrame, source: &DatasetFr
 /// The nearest choice of forward, back, left, right, up and down for the axes of a frame with this rotation on the vehicle.
 pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
     let letter = |axis: Vector3<f64>| {
-        let told = body_from_frame * axis;
+        let stated = body_from_frame * axis;
         let words = [("F", "B"), ("L", "R"), ("U", "D")];
-        let (index, value) = told
+        let (index, value) = stated
             .iter()
             .copied()
             .enumerate()

@@ -15,7 +15,7 @@ use crate::world::FrameId;
 pub(crate) struct ExtrinsicZ180Double;
 
 /// Whether the mounting of an Ouster lacks half a turn, and the evidence.
-struct Told {
+struct HalfTurnTest {
     is_turned: bool,
     body: FrameId,
     lidar: FrameId,
@@ -32,8 +32,8 @@ impl Rule for ExtrinsicZ180Double {
         for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
             let subject = clouds.subject("half turns of the mounting");
             match look(world, &clouds, limits) {
-                Ok(told) if told.is_turned => report(world, &clouds, subject, told, limits, out),
-                Ok(told) => out.pass(subject, told.measured),
+                Ok(test) if test.is_turned => report(world, &clouds, subject, test, limits, out),
+                Ok(test) => out.pass(subject, test.measured),
                 Err((why, reason)) => out.not_evaluated(subject, why, reason),
             }
         }
@@ -42,7 +42,7 @@ impl Rule for ExtrinsicZ180Double {
 }
 
 /// By the motion of the scans, and by landmarks; where both decide, they must agree.
-fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
+fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<HalfTurnTest, (NotEvaluated, String)> {
     let of_yaw = world.limits::<crate::analysis::axes::forward::Limits>();
     let by_way = crate::analysis::axes::forward::look(world, clouds, &of_yaw);
     let by_landmarks = by_landmarks(world, clouds, limits);
@@ -72,7 +72,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
             }
             let mut measured: Vec<Measured> = yaw.measured(&of_yaw).into();
             measured.extend(landmarks.map(|(_, maps, ratio)| crispness(maps, ratio, limits)));
-            Ok(Told {
+            Ok(HalfTurnTest {
                 is_turned,
                 body: known.body,
                 lidar: known.lidar,
@@ -95,7 +95,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
                 return Err((why, reason + &more));
             };
             let lidar = clouds.frame().ok_or_else(|| (why, reason.clone()))?;
-            Ok(Told {
+            Ok(HalfTurnTest {
                 is_turned,
                 body: maps.body.clone(),
                 lidar,
@@ -114,16 +114,16 @@ fn by_landmarks(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<(
         way_m: limits.min_way_m,
     };
     let maps = maps(world, clouds, &[Isometry3::identity(), half_turn()], &grid)?;
-    let [told, turned] = maps.cells[..] else {
+    let [stated, turned] = maps.cells[..] else {
         return Err((NotEvaluated::TooLittleEvidence, "no landmarks".to_owned()));
     };
-    if told == 0 || turned == 0 {
+    if stated == 0 || turned == 0 {
         return Err((
             NotEvaluated::TooLittleEvidence,
             "no points are level with the sensor".to_owned(),
         ));
     }
-    let ratio = turned as f64 / told as f64;
+    let ratio = turned as f64 / stated as f64;
     Ok((maps, ratio))
 }
 
@@ -148,8 +148,8 @@ fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     .limit(limits.min_ratio)
 }
 
-fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limits: &Limits, out: &mut Judge) {
-    let edges = lidar_turn::edges(world, &told.body, &told.lidar);
+fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTest, limits: &Limits, out: &mut Judge) {
+    let edges = lidar_turn::edges(world, &test.body, &test.lidar);
     let is_half =
         |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
     let is_own = |edge: &&Edge| {
@@ -180,20 +180,20 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
             "Of the Lidar and the Sensor frame, the clouds are expressed in one, and the mounting was made for the other".to_owned(),
         ),
     };
-    let direction = crate::analysis::cross::direction::seen(world, clouds);
-    let mounted = world.graph().chain(&told.body, &told.lidar, |edge| edge.is_rigid);
+    let direction = crate::analysis::cross::direction::direction_fit(world, clouds);
+    let mounted = world.graph().chain(&test.body, &test.lidar, |edge| edge.is_rigid);
     let or = mounted.map_or("", |(pose, _)| {
         crate::analysis::cross::direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
     });
     let message = format!(
         "`{}_from_{}` is off by 180 deg about z, compared with {}",
-        told.body, told.lidar, told.poses.0
+        test.body, test.lidar, test.poses.0
     );
     let mut finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .unless(codes::CROSS04)
-        .related(told.poses.1.clone(), "compared with this motion")
+        .related(test.poses.1.clone(), "compared with this motion")
         .detail(format!("{what}{or}."));
     if let Some(edge) = mounting.or(edges.first()) {
         let right = edge.pose * half_turn();
@@ -204,10 +204,10 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
             edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
         ));
     }
-    let finding = match lidar_turn::half_turn(world, clouds, &told.body, &told.lidar) {
+    let finding = match lidar_turn::half_turn(world, clouds, &test.body, &test.lidar) {
         Some(Origin::OusterFrame) => finding.unless(codes::SENSOR01),
-        Some(Origin::OusterTf) => finding.unless_about(codes::SENSOR02, format!("`{}`", told.lidar)),
+        Some(Origin::OusterTf) => finding.unless_about(codes::SENSOR02, format!("`{}`", test.lidar)),
         _ => finding,
     };
-    out.fail(finding.measured(told.measured));
+    out.fail(finding.measured(test.measured));
 }

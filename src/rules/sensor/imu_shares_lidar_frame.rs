@@ -3,7 +3,7 @@
 use crate::analysis::names;
 use crate::rules::prelude::*;
 use crate::source::MessageRef;
-use crate::world::bag::{Said, TopicEvidence};
+use crate::world::bag::{TopicContent, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 
 pub(crate) struct ImuSharesLidarFrame;
@@ -15,13 +15,13 @@ pub(crate) struct Limits {}
 
 impl Rule for ImuSharesLidarFrame {
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::LEAST;
+    const SAMPLE: SampleSize = SampleSize::LEAST;
     type Limits = Limits;
 
     fn judge(world: &Estimates, _: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
-            let said = bag.topics.values().flat_map(TopicEvidence::said);
+            let said = bag.topics.values().flat_map(TopicEvidence::contents);
             for imu in said.filter(|said| said.content.imu.is_some()) {
                 judge_imu(world, bag, &imu, &clouds, out);
             }
@@ -35,7 +35,7 @@ fn is_cloud(topic: &TopicEvidence) -> bool {
     TYPES.contains(&topic.type_name()) && topic.count > 0
 }
 
-fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
+fn judge_imu(world: &World, bag: &BagEvidence, imu: &TopicContent<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
     let subject = format!("frame of {}", imu.subject());
     if clouds.is_empty() {
         return out.missing(subject, "no point cloud in the recording");
@@ -68,7 +68,7 @@ fn finding(
     world: &World,
     bag: &BagEvidence,
     subject: String,
-    imu: &Said<'_>,
+    imu: &TopicContent<'_>,
     cloud: &TopicEvidence,
     frame: &FrameId,
 ) -> Finding {

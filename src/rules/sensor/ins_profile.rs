@@ -98,7 +98,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
             known.setting
         ))
         .measured(measured);
-    out.fail(imu.stream.expressed_in.tell(finding));
+    out.fail(imu.stream.expressed_in.annotate(finding));
 }
 
 /// Why the setting of the driver cannot be judged.

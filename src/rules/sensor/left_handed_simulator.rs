@@ -9,7 +9,7 @@ use crate::world::motion::{FixRow, PoseRow};
 pub(crate) struct LeftHandedSimulator;
 
 /// One measurement of the handedness of a track.
-struct Told {
+struct Handedness {
     is_left_handed: bool,
     words: String,
     measured: Measured,
@@ -40,49 +40,53 @@ impl Rule for LeftHandedSimulator {
                 .filter(|poses| poses.is_of_world() && !poses.is_earth_centred())
             {
                 let track = poses.track();
-                let told = by_satellites(bag, &track, &tracks)
+                let handed = by_satellites(bag, &track, &tracks)
                     .into_iter()
                     .chain(by_gyros(&imus, &track, &turns))
                     .collect();
-                judge_track(poses, simulator, told, out);
+                judge_track(poses, simulator, handed, out);
             }
         }
     }
 }
 
-fn by_satellites(bag: &BagMotion, track: &Track, limits: &crate::analysis::axes::handedness::Limits) -> Vec<Told> {
-    let tell = |fixes: &Stream<FixRow>| {
+fn by_satellites(
+    bag: &BagMotion,
+    track: &Track,
+    limits: &crate::analysis::axes::handedness::Limits,
+) -> Vec<Handedness> {
+    let handedness = |fixes: &Stream<FixRow>| {
         let hand = crate::analysis::axes::hand::hand(fixes, track, limits)?;
-        Some(Told {
+        Some(Handedness {
             is_left_handed: hand.is_mirrored,
             words: format!("the poses mirror the GNSS track on `{}`", fixes.topic),
             measured: hand.measured,
         })
     };
-    bag.fixes.iter().filter_map(tell).collect()
+    bag.fixes.iter().filter_map(handedness).collect()
 }
 
-fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_vs_track::Limits) -> Vec<Told> {
-    let tell = |imu: &&Imu| {
+fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_vs_track::Limits) -> Vec<Handedness> {
+    let handedness = |imu: &&Imu| {
         let gain = crate::analysis::axes::gyro_vs_track::gain(imu, track, limits)?;
-        Some(Told {
+        Some(Handedness {
             is_left_handed: gain < 0.0,
             words: format!("the upright gyro of `{}` turns the opposite way", imu.stream.topic),
             measured: Measured::new("yaw rate of the gyro / turn rate of the course", gain, "1"),
         })
     };
-    imus.iter().filter_map(tell).collect()
+    imus.iter().filter_map(handedness).collect()
 }
 
-fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, out: &mut Judge) {
+fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, handed: Vec<Handedness>, out: &mut Judge) {
     let subject = format!("{} ({})", poses.subject, simulator.name);
-    if told.is_empty() {
+    if handed.is_empty() {
         let why = "neither GNSS fixes nor an upright gyro show its handedness, or it does not turn enough";
         return out.too_little(subject, why);
     }
-    let (left, right): (Vec<Told>, Vec<Told>) = told.into_iter().partition(|told| told.is_left_handed);
+    let (left, right): (Vec<Handedness>, Vec<Handedness>) = handed.into_iter().partition(|one| one.is_left_handed);
     if left.is_empty() {
-        return out.pass(subject, right.into_iter().map(|told| told.measured));
+        return out.pass(subject, right.into_iter().map(|one| one.measured));
     }
     if !right.is_empty() {
         let why = format!(
@@ -92,7 +96,7 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
         );
         return out.too_little(subject, why);
     }
-    let words: Vec<&str> = left.iter().map(|told| told.words.as_str()).collect();
+    let words: Vec<&str> = left.iter().map(|one| one.words.as_str()).collect();
     let message = format!("`{}`: the poses are left-handed, as in {}", poses.topic, simulator.name);
     let finding = Finding::error(subject, message, poses.place())
         .likely()
@@ -102,6 +106,6 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
             "convert the poses to ROS: {}. {} is {}",
             simulator.conversion, simulator.name, simulator.axes
         ));
-    let finding = poses.expressed_in.tell(finding);
-    out.fail(finding.measured(left.into_iter().map(|told| told.measured)));
+    let finding = poses.expressed_in.annotate(finding);
+    out.fail(finding.measured(left.into_iter().map(|one| one.measured)));
 }

@@ -21,7 +21,7 @@ pub(crate) struct Limits {
 }
 
 /// A frame that mavros publishes: its name, its parent, and the rotation between the two, also as URDF text.
-struct Fixed {
+struct MavrosFrame {
     name: &'static str,
     parent: &'static str,
     turn: AxisTurn,
@@ -30,7 +30,7 @@ struct Fixed {
     judged_by: RuleCode,
 }
 
-const MAP_NED: Fixed = Fixed {
+const MAP_NED: MavrosFrame = MavrosFrame {
     name: "map_ned",
     parent: "map",
     turn: AxisTurn::NedEnu,
@@ -38,14 +38,14 @@ const MAP_NED: Fixed = Fixed {
     judged_by: codes::NAME04,
 };
 
-const FIXED: &[Fixed] = &[
+const FIXED: &[MavrosFrame] = &[
     MAP_NED,
-    Fixed {
+    MavrosFrame {
         name: "odom_ned",
         parent: "odom",
         ..MAP_NED
     },
-    Fixed {
+    MavrosFrame {
         name: "base_link_frd",
         parent: "base_link",
         turn: AxisTurn::FluFrd,
@@ -70,7 +70,7 @@ impl Rule for MavrosFrames {
     }
 }
 
-fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, limits: &Limits, out: &mut Judge) {
+fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, own: &MavrosFrame, limits: &Limits, out: &mut Judge) {
     let graph = world.graph();
     let subject = format!("frame `{frame}`");
     let chain = graph.chain(parent, frame, |edge| edge.is_rigid);
@@ -81,16 +81,16 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     };
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
         let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
-        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}) as mavros", fixed.rpy);
+        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}) as mavros", own.rpy);
         let finding = Finding::warning(subject, message, place).likely().help(help);
         return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
     }
     let Some((parent_from_frame, steps)) = chain else {
         return out.too_little(subject, format!("no rigid transform between `{parent}` and `{frame}`"));
     };
-    let deg = off_deg(Some(fixed.turn), &parent_from_frame.rotation);
+    let deg = off_deg(Some(own.turn), &parent_from_frame.rotation);
     let m = parent_from_frame.translation.vector.norm();
-    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg").turn();
+    let turn = Measured::new(format!("rotation off {}", own.turn.word()), deg, "deg").turn();
     let turn = turn.limit(limits.max_deg);
     let shift = Measured::new("distance of the origins", m, "m").limit(limits.max_m);
     if deg <= limits.max_deg && m <= limits.max_m {
@@ -106,12 +106,12 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
             .measured(turn)
             .measured(shift);
         if deg > limits.named_deg {
-            finding = finding.unless_about(fixed.judged_by, format!("`{frame}`"));
+            finding = finding.unless_about(own.judged_by, format!("`{frame}`"));
         }
-        let help = format!("set `{parent}` -> `{frame}` to xyz = (0, 0, 0), rpy = ({})", fixed.rpy);
+        let help = format!("set `{parent}` -> `{frame}` to xyz = (0, 0, 0), rpy = ({})", own.rpy);
         finding = finding.help(help);
         let edge = steps.first().filter(|_| steps.len() == 1 && deg > limits.max_deg);
-        let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, fixed.rpy));
+        let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, own.rpy));
         out.fail(match edit {
             Some(edit) => finding.fix("write the fixed rotation in full", Safety::ChangesBehaviour, vec![edit]),
             None => finding,

@@ -58,7 +58,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         }
     };
     let mounting = format!("{}_from_{}", known.body, known.lidar);
-    let (detail, help) = told(&lidar, quarters, &mounting);
+    let (detail, help) = detail_and_help(&lidar, quarters, &mounting);
     let [seen, meant] = if quarters < 0 { ["y", "x"] } else { ["x", "y"] };
     let message = format!(
         "`{}`: clouds have {seen} forward, `{mounting}` expects {meant} forward ({:+.1} deg of yaw)",
@@ -75,7 +75,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
 }
 
 /// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.
-fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
+fn detail_and_help(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
     let name = &lidar.name;
     let turn = format!("add {:+} deg to the yaw of `{mounting}`", 90 * i16::from(quarters));
     match (lidar.driver, quarters < 0) {

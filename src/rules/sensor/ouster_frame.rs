@@ -1,6 +1,6 @@
 //! SENSOR01: an Ouster cloud that is expressed in the other one of its two frames.
 
-use crate::analysis::sensor::ouster_look::{Limits, Seen, first, is_organised, look, share};
+use crate::analysis::sensor::ouster_look::{AzimuthFit, Limits, first, is_organised, look, share};
 use crate::analysis::{lidar::Clouds, ouster, ouster::Axes};
 use crate::rules::prelude::*;
 use crate::verdict::plot::{Axis, Plot, Series};
@@ -36,7 +36,7 @@ fn set_to(world: &World, clouds: &Clouds) -> String {
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("frame of the cloud");
     let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
-    let Seen {
+    let AzimuthFit {
         axes,
         azimuth_rad,
         measured,

@@ -5,11 +5,11 @@ use crate::world::BagEvidence;
 
 mod simulated;
 
-use crate::advice::together::tell_once;
+use crate::advice::together::report_once;
 use crate::analysis::time::simulated::Time;
 use crate::analysis::time::streams::{Stream, UPTIME_BELOW_S, log_start_s, streams};
 use crate::analysis::time::units::unit_error;
-use simulated::{judge_simulated, tell_simulation};
+use simulated::{explain_simulation, judge_simulated};
 
 pub(crate) struct ClockDomain;
 
@@ -62,10 +62,10 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
             .first_mut()
             .filter(|_| beside_wall || (n == streams.len() && enough))
         {
-            tell_simulation(first, n);
+            explain_simulation(first, n);
             more = "";
         }
-        tell_once(findings, more, out);
+        report_once(findings, more, out);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::advice::together::tell_once;
-use crate::analysis::time::known_offsets::{Explanation, Named, Specific};
+use crate::advice::together::report_once;
+use crate::analysis::time::known_offsets::{Explanation, KnownOffset, Specificity};
 use crate::analysis::time::naming::{Limits, Naming};
 use crate::analysis::time::streams::{Stream, declared_streams};
 use crate::analysis::{time::lateness, time::units::unit_error};
@@ -35,7 +35,7 @@ fn judge_bag(world: &Estimates, bag: &BagEvidence, limits: &Limits, out: &mut Ju
         }
     }
     for findings in by_name.into_values() {
-        tell_once(findings, "have the same offset", out);
+        report_once(findings, "have the same offset", out);
     }
 }
 
@@ -84,7 +84,10 @@ fn judge_stream(
         (Explanation::One(named), reference) => {
             let name = format!("{} {reference}", named.what);
             out.plot(&subject, plot);
-            Some((name, stream.tell(finding(stream, &named, (reference, far_s), measured))))
+            Some((
+                name,
+                stream.annotate(finding(stream, &named, (reference, far_s), measured)),
+            ))
         }
         (Explanation::Several(names), reference) => {
             let names: Vec<&str> = names.iter().map(|named| named.what.as_str()).collect();
@@ -124,12 +127,12 @@ fn brief(cause: &str) -> &str {
     }
 }
 
-fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), measured: Measured) -> Finding {
+fn finding(stream: &Stream<'_>, named: &KnownOffset, (reference, far_s): (&str, f64), measured: Measured) -> Finding {
     let severity = match named.specific {
-        Specific::Single => Severity::Error,
+        Specificity::Single => Severity::Error,
         // Beyond this limit it is an error with or without a known cause.
-        Specific::Family if measured.value.abs() > far_s => Severity::Error,
-        Specific::Family => Severity::Warning,
+        Specificity::Family if measured.value.abs() > far_s => Severity::Error,
+        Specificity::Family => Severity::Warning,
     };
     let way = if measured.value > 0.0 { "ahead of" } else { "behind" };
     let message = format!(

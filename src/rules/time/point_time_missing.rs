@@ -67,7 +67,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     } else {
         Severity::Error
     };
-    let Some(fastest) = Fastest::of(motion, limits) else {
+    let Some(fastest) = PeakMotion::of(motion, limits) else {
         let message = format!(
             "`{}`: the points {what}; motion smears a scan of {period_s:.2} s",
             clouds.topic.topic
@@ -115,12 +115,12 @@ fn named(finding: Finding, is_constant: bool) -> Finding {
 }
 
 /// How fast the platform moves and turns: 95th percentiles.
-struct Fastest {
+struct PeakMotion {
     speed_m_s: f64,
     rate_rad_s: f64,
 }
 
-impl Fastest {
+impl PeakMotion {
     /// `None` where nothing shows motion.
     fn of(motion: &BagMotion, limits: &Limits) -> Option<Self> {
         let is_long = |seconds: f64| seconds >= limits.min_s;

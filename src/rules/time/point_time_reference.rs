@@ -2,7 +2,7 @@
 
 use crate::analysis::lidar::Clouds;
 use crate::rules::prelude::*;
-use crate::tables::CountsFrom;
+use crate::tables::TimeOrigin;
 use crate::world::cloud::{CloudSample, PointTimes};
 
 pub(crate) struct PointTimeReference;
@@ -37,7 +37,7 @@ impl Moment {
 }
 
 /// A scan against its header.
-struct Told<'w> {
+struct ScanTiming<'w> {
     sample: &'w CloudSample,
     moment: Moment,
     /// From the header's stamp to the first point and to the last, seconds.
@@ -58,33 +58,33 @@ impl Rule for PointTimeReference {
 
 fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("header against the times of the points");
-    let told: Vec<Told> = clouds
+    let timings: Vec<ScanTiming> = clouds
         .timed()
-        .filter_map(|(sample, times)| told(clouds, sample, times, limits))
+        .filter_map(|(sample, times)| scan_timing(clouds, sample, times, limits))
         .collect();
-    if told.len() < limits.min_clouds {
+    if timings.len() < limits.min_clouds {
         let why = format!(
             "in {} clouds the times of the points can be compared with the header stamp (unit and origin are known); {} are needed",
-            told.len(),
+            timings.len(),
             limits.min_clouds
         );
         return out.too_little(subject, why);
     }
-    let count = |moment: Moment| told.iter().filter(|told| told.moment == moment).count();
+    let count = |moment: Moment| timings.iter().filter(|timing| timing.moment == moment).count();
     let moments = [Moment::Start, Moment::Middle, Moment::End, Moment::Elsewhere];
     let most = moments
         .into_iter()
         .max_by_key(|moment| count(*moment))
         .unwrap_or(Moment::Start);
     let mean = |index: usize| {
-        let of = told.iter().filter_map(|told| told.from_header_s.get(index));
-        of.sum::<f64>() / told.len() as f64
+        let of = timings.iter().filter_map(|timing| timing.from_header_s.get(index));
+        of.sum::<f64>() / timings.len() as f64
     };
     let measured = [
-        Measured::new("first point after the header", mean(0), "s").samples(told.len() as u64),
-        Measured::new("last point after the header", mean(1), "s").samples(told.len() as u64),
+        Measured::new("first point after the header", mean(0), "s").samples(timings.len() as u64),
+        Measured::new("last point after the header", mean(1), "s").samples(timings.len() as u64),
     ];
-    let place = |told: &Told| Place::message(clouds.bag.source, told.sample.at.clone());
+    let place = |timing: &ScanTiming| Place::message(clouds.bag.source, timing.sample.at.clone());
     if most == Moment::Elsewhere {
         let message = format!(
             "`{}`: the header stamp is outside of the scan: points are {:+.3} to {:+.3} s after it",
@@ -98,14 +98,14 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             .help("use one clock for the header and the points, and stamp the header at the first or the last point of the scan");
         return out.fail(finding.measured(measured));
     }
-    let other = told.iter().find(|told| told.moment != most);
-    if let Some(other) = other.filter(|_| count(most) < told.len() - 1) {
+    let other = timings.iter().find(|timing| timing.moment != most);
+    if let Some(other) = other.filter(|_| count(most) < timings.len() - 1) {
         let message = format!(
             "`{}`: header stamp is {} of the scan in {} of {} clouds, {} in others",
             clouds.topic.topic,
             most.words(),
             count(most),
-            told.len(),
+            timings.len(),
             other.moment.words()
         );
         let finding = Finding::error(subject, message, place(other))
@@ -121,11 +121,16 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
 }
 
 /// When the points of a cloud were measured, relative to the header stamp; `None` where unit, period or origin of their times are unknown.
-fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits: &Limits) -> Option<Told<'w>> {
+fn scan_timing<'w>(
+    clouds: &Clouds,
+    sample: &'w CloudSample,
+    times: &PointTimes,
+    limits: &Limits,
+) -> Option<ScanTiming<'w>> {
     let (unit_s, _) = clouds.unit(times)?;
     let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
     let is_absolute = match clouds.driver.and_then(|driver| driver.time.as_ref()) {
-        Some(time) => time.counts_from == CountsFrom::Epoch,
+        Some(time) => time.counts_from == TimeOrigin::Epoch,
         None => times.range[0] * unit_s >= limits.epoch_s,
     };
     let origin_s = match times.timebase_ns {
@@ -150,7 +155,7 @@ fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits
     } else {
         Moment::End
     };
-    Some(Told {
+    Some(ScanTiming {
         sample,
         moment,
         from_header_s,

@@ -29,40 +29,40 @@ impl Rule for PointTimeSweep {
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("sweep");
-    let told: Vec<(Sweep, f64, f64)> = clouds
+    let sweeps: Vec<(Sweep, f64, f64)> = clouds
         .evidence
         .samples
         .iter()
         .filter_map(|sample| sweep(clouds, sample, limits))
         .collect();
-    if told.len() < limits.min_clouds {
+    if sweeps.len() < limits.min_clouds {
         let why = format!(
             "in {} of {} sampled clouds the azimuth follows the times of the points; {} are needed",
-            told.len(),
+            sweeps.len(),
             clouds.evidence.samples.len(),
             limits.min_clouds
         );
         return out.too_little(subject, why);
     }
-    let clockwise = told.iter().filter(|told| told.0 == Sweep::Clockwise).count();
+    let clockwise = sweeps.iter().filter(|one| one.0 == Sweep::Clockwise).count();
     let seen = match clockwise {
         0 => Sweep::CounterClockwise,
-        all if all == told.len() => Sweep::Clockwise,
+        all if all == sweeps.len() => Sweep::Clockwise,
         _ => {
             let why = format!(
                 "{clockwise} of {} clouds sweep clockwise, the others counter-clockwise: the direction is not determined",
-                told.len()
+                sweeps.len()
             );
             return out.too_little(subject, why);
         }
     };
     let measured = [
-        Measured::new("resultant", told.iter().map(|told| told.1).fold(1.0, f64::min), "1")
+        Measured::new("resultant", sweeps.iter().map(|one| one.1).fold(1.0, f64::min), "1")
             .limit(limits.min_resultant)
-            .samples(told.len() as u64),
+            .samples(sweeps.len() as u64),
         Measured::new(
             "resultant of the other direction",
-            told.iter().map(|told| told.2).fold(0.0, f64::max),
+            sweeps.iter().map(|one| one.2).fold(0.0, f64::max),
             "1",
         ),
     ];

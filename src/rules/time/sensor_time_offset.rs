@@ -1,9 +1,9 @@
 //! TIME09: the offset between the stamps of two sensors, by the motion that both measured.
 
-use crate::advice::together::tell_once;
+use crate::advice::together::report_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{BagMotion, Motion};
-use crate::analysis::time::offsets::{Limits, Offset, Without};
+use crate::analysis::time::offsets::{Limits, NoOffset, Offset};
 use crate::analysis::time::reference::{reference, words};
 use crate::analysis::time::turning::{Kind, Signal, signals};
 use crate::rules::prelude::*;
@@ -61,10 +61,10 @@ fn judge_bag(
             continue;
         }
         match found {
-            Err(Without::Silent(_, why)) => {
+            Err(NoOffset::Undetermined(_, why)) => {
                 out.too_little(subject, format!("compared with {}: {why}", words(first)));
             }
-            Err(Without::Varies(why)) => out.too_little(subject, why),
+            Err(NoOffset::Varies(why)) => out.too_little(subject, why),
             Ok(offset) => {
                 out.plot(&subject, || Some(plot(first, second, &offset)));
                 let limit_s = limit_s(first, second, limits);
@@ -97,7 +97,7 @@ fn judge_bag(
         .into_iter()
         .partition(|finding: &Finding| finding.measured.first().is_some_and(|measured| measured.value > 0.0));
     for together in [later, sooner] {
-        tell_once(together, "do the same", out);
+        report_once(together, "do the same", out);
     }
 }
 

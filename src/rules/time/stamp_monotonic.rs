@@ -2,7 +2,7 @@
 
 mod gaps;
 
-use crate::analysis::time::streams::{Of, Stream, streams};
+use crate::analysis::time::streams::{Stream, StreamSource, streams};
 use crate::rules::prelude::*;
 use crate::rules::time::stamp_monotonic::gaps::{Limits, judge_gaps};
 use crate::source::MessageRef;
@@ -112,7 +112,7 @@ fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
 
 /// Of two transforms with one stamp tf2 keeps the first; a replay or another node may get the other.
 fn contradicting(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
-    let Of::Edge(edge) = stream.of else { return None };
+    let StreamSource::Edge(edge) = stream.of else { return None };
     let found = edge.contradictions.as_ref()?;
     let angle_deg = found.angle_rad.to_degrees();
     if found.distance_m <= limits.contradicts_m && angle_deg <= limits.contradicts_deg {

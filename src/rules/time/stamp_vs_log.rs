@@ -2,9 +2,9 @@
 
 mod lateness;
 
-use crate::advice::together::tell_once;
+use crate::advice::together::report_once;
 use crate::analysis::time::lateness::{Limits, allowed_s};
-use crate::analysis::time::streams::{Clock, Of, Stream, declared_streams, log_clock};
+use crate::analysis::time::streams::{Clock, Stream, StreamSource, declared_streams, log_clock};
 use crate::analysis::time::{naming, naming::Naming, simulated::Time, streams};
 use crate::rules::prelude::*;
 use crate::source::Confidence;
@@ -22,12 +22,12 @@ impl Rule for StampVsLog {
         for bag in &world.bags {
             let streams = declared_streams(world, bag);
             let naming = Naming::new(bag, &streams, &names);
-            let topics = streams.iter().filter(|stream| matches!(stream.of, Of::Topic(_)));
+            let topics = streams.iter().filter(|one| matches!(one.of, StreamSource::Topic(_)));
             let judged: Vec<&Stream<'_>> = topics
                 .filter(|stream| is_judged(bag, stream, &streams, (limits, &reused), out))
                 .collect();
             let found = judged.iter().flat_map(|one| judge_stream(one, &naming, limits, out));
-            tell(found.collect(), judged.len(), limits, out);
+            report(found.collect(), judged.len(), limits, out);
         }
     }
 }
@@ -95,7 +95,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
 
 /// Reports faults of one kind and size as one finding, since they have one cause. Where all of several streams have it, the log clock
 /// itself is probably wrong.
-fn tell(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) {
+fn report(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) {
     found.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.size.total_cmp(&b.size)));
     let mut left = found.into_iter().peekable();
     while let Some(first) = left.next() {
@@ -114,6 +114,6 @@ fn tell(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) 
             first.severity = first.severity.min(Severity::Warning);
             first.confidence = first.confidence.min(Confidence::Likely);
         }
-        tell_once(findings, "do the same", out);
+        report_once(findings, "do the same", out);
     }
 }

@@ -1,8 +1,8 @@
 //! TIME10: transforms are stamped in the future or far behind the sensors, or many messages share one stamp.
 
-use crate::advice::together::tell_once;
+use crate::advice::together::report_once;
 use crate::analysis::time::naming::Naming;
-use crate::analysis::time::streams::{Limits, Of, Stream, streams};
+use crate::analysis::time::streams::{Limits, Stream, StreamSource, streams};
 use crate::math::stats::median;
 use crate::rules::prelude::*;
 
@@ -25,16 +25,16 @@ impl Rule for TfVsSensorTime {
 fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: &mut Judge) {
     let sensors: Vec<&Stream<'_>> = streams
         .iter()
-        .filter(|stream| matches!(stream.of, Of::Topic(_)) && stream.is_live() && !stream.is_gnss())
+        .filter(|stream| matches!(stream.of, StreamSource::Topic(_)) && stream.is_live() && !stream.is_gnss())
         .collect();
     let (mut ahead, mut behind, mut reused) = (Vec::new(), Vec::new(), Vec::new());
     for stream in streams {
-        let is_edge = matches!(stream.of, Of::Edge(_));
+        let is_edge = matches!(stream.of, StreamSource::Edge(_));
         if !(is_edge || stream.is_live()) || !has_enough(stream, limits, out) {
             continue;
         }
         // TIME01 reports an offset with a known cause better.
-        let mut tell_off = |finding: Finding, found: &mut Vec<Finding>| {
+        let mut add_finding = |finding: Finding, found: &mut Vec<Finding>| {
             if naming.has_word(stream) {
                 out.fail(finding.unless(codes::TIME01));
             } else {
@@ -48,9 +48,9 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
         } else if let Some((lead_s, of)) = lead(stream, &sensors, naming, limits) {
             let measured = Measured::new(format!("stamp minus {of}"), lead_s, "s").samples(stream.stamps.count);
             if lead_s > limits.lead_s {
-                tell_off(off(stream, of, measured.limit(limits.lead_s)), &mut ahead);
+                add_finding(off(stream, of, measured.limit(limits.lead_s)), &mut ahead);
             } else if lead_s < -limits.lag_s {
-                tell_off(off(stream, of, measured.limit(-limits.lag_s)), &mut behind);
+                add_finding(off(stream, of, measured.limit(-limits.lag_s)), &mut behind);
             } else {
                 out.pass(
                     stream.subject.clone(),
@@ -64,9 +64,9 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
             );
         }
     }
-    tell_once(ahead, "are ahead too", out);
-    tell_once(behind, "are behind too", out);
-    tell_once(reused, "repeat stamps too", out);
+    report_once(ahead, "are ahead too", out);
+    report_once(behind, "are behind too", out);
+    report_once(reused, "repeat stamps too", out);
 }
 
 /// Constant transforms are valid at any time, and few messages prove nothing.
@@ -75,7 +75,7 @@ fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} non-zero stamps, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)
-    } else if matches!(stream.of, Of::Edge(_)) && !stream.moves(limits) {
+    } else if matches!(stream.of, StreamSource::Edge(_)) && !stream.moves(limits) {
         let why = "the transform never changes: its stamp does not matter";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else {

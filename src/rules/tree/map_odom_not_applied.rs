@@ -2,7 +2,7 @@
 
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::tree::drift::{Limits, drift};
-use crate::analysis::{names::Standard, tf, tf::Used};
+use crate::analysis::{names::Standard, tf, tf::BagFrameUse};
 use crate::rules::prelude::*;
 use crate::source::MessageRef;
 use crate::world::bag::{TfEdge, TopicEvidence};
@@ -69,7 +69,7 @@ fn judge_odom(
         Ok(drift) => drift,
         Err(why) => return out.missing(subject, format!("{seen}; {why}")),
     };
-    match drift.is_told(limits) {
+    match drift.is_significant(limits) {
         Some(true) => {
             let message = format!(
                 "`{map}` -> `{odom}` is constant, but the odometry drifts by {:.2} m over {:.0} m",
@@ -157,7 +157,7 @@ fn without_map(bag: &BagEvidence, odom: &FrameId, subject: String, out: &mut Jud
         let why = format!("nothing is expressed in `map`, and `{odom}` has no parent of that name");
         return out.not_applicable(subject, why);
     };
-    let count = crate::math::stats::total(used.iter().map(|used: &Used| used.count));
+    let count = crate::math::stats::total(used.iter().map(|used: &BagFrameUse| used.count));
     let message = format!("{count} messages are expressed in `{map}`, but no transform connects it to `{odom}`");
     let detail = format!(
         "The messages are on `{}`{}.",

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use crate::analysis::near::{Names, Reach};
-use crate::analysis::tf::{HeaderUse, Used};
+use crate::analysis::tf::{BagFrameUse, HeaderUse};
 use crate::analysis::{names, names::Standard, spelling, tf};
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, World};
@@ -68,7 +68,7 @@ fn subject_of(world: &World, bag: &BagEvidence) -> String {
     format!("messages of {}", world.path(bag.source))
 }
 
-fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Context, out: &mut Judge) {
+fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[BagFrameUse], context: &Context, out: &mut Judge) {
     // The most important use first: sensor data, then the order of topics.
     let Some(main) = used.iter().rev().max_by_key(|used| used.kind) else {
         return;

@@ -1,6 +1,6 @@
 //! TREE15: odometry that jumps or is reset.
 
-use crate::analysis::tree::odometry::{Bound, Limits, Stream, streams};
+use crate::analysis::tree::odometry::{Limits, StepBound, Stream, streams};
 use crate::analysis::tree::steps::{outstanding, seconds, takes_turns};
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, content::StepAt};
@@ -33,7 +33,7 @@ fn judge_streams(
     if streams.iter().all(|stream| stream.steps.count < limits.min_steps) {
         return out.too_little(subject, format!("{steps} steps, {} are needed", limits.min_steps));
     }
-    let bound = Bound::of(streams);
+    let bound = StepBound::of(streams);
     let jumps_of = |stream: &Stream| -> Vec<StepAt> {
         let enough = stream.steps.count >= limits.min_steps;
         let all = outstanding(stream.steps)
@@ -83,7 +83,7 @@ fn finding(
     subject: String,
     stream: &Stream,
     jumps: &[StepAt],
-    bound: &Bound,
+    bound: &StepBound,
     limits: &Limits,
 ) -> Finding {
     let excess = |at: &StepAt| {

@@ -1,6 +1,6 @@
 //! TREE05: transforms published both on `/tf_static` and on `/tf`, and transforms on `/tf` that never change.
 
-use crate::analysis::relate::{Difference, Same};
+use crate::analysis::relate::{Difference, PoseTolerance};
 use crate::analysis::{names, tf};
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
@@ -62,7 +62,7 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let parent = fixed.parent.canonical();
     let (one, other) = (&fixed.topic, &moving.topic);
     let what = format!("`{parent}` -> `{child}` is on `{one}` and on `{other}`");
-    let same = Same {
+    let same = PoseTolerance {
         deg: limits.same_deg,
         m: limits.same_m,
     };

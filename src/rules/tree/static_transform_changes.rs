@@ -2,10 +2,10 @@
 
 mod across;
 
-use crate::analysis::tree::latched::{Calm, Change, Key, Limits, change, difference, latched};
+use crate::analysis::tree::latched::{Change, Key, Limits, StableTally, change, difference, latched};
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
-use crate::rules::tree::static_transform_changes::across::{Across, judge_across};
+use crate::rules::tree::static_transform_changes::across::{FirstValues, judge_across};
 use crate::world::BagEvidence;
 use crate::world::bag::{TfEdge, TfSample};
 
@@ -16,7 +16,7 @@ impl Rule for StaticTransformChanges {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let mut across = Across::new();
+        let mut across = FirstValues::new();
         let mut bags: Vec<&BagEvidence> = world.bags.iter().filter(|bag| !bag.tf.is_empty()).collect();
         bags.sort_by_key(|bag| (bag.start_ns, bag.source));
         for bag in bags {
@@ -26,7 +26,7 @@ impl Rule for StaticTransformChanges {
                 out.not_applicable(subject, "it has no latched transforms");
                 continue;
             }
-            let mut calm = Calm::default();
+            let mut calm = StableTally::default();
             for (key, edges) in &latched {
                 let Some(first) = edges.iter().find_map(|edge| edge.first()) else {
                     continue;

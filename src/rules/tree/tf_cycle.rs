@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::analysis::places::published_reading;
 use crate::analysis::tree::loops::loops;
 use crate::rules::prelude::*;
-use crate::source::{At, SourceId};
+use crate::source::{SourceId, SourcePart};
 use crate::world::{FrameId, World, graph::Edge};
 
 pub(crate) struct TfCycle;
@@ -55,7 +55,7 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         .collect();
     // A published transform, or else the one that was written last, closed the loop.
     let rank = |(edge, place): &(&&Edge, Place)| {
-        (matches!(place.at, At::Message(_)), edge.is_published(), place.clone())
+        (matches!(place.at, SourcePart::Message(_)), edge.is_published(), place.clone())
     };
     let last = (0..at.len()).max_by_key(|index| at.get(*index).map(rank));
     let Some((first, place)) = last.map(|index| at.remove(index)) else {

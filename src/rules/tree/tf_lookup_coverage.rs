@@ -4,8 +4,8 @@ mod findings;
 
 use std::collections::BTreeMap;
 
-use crate::advice::together::tell_once;
-use crate::analysis::tree::lookups::{Culprit, Heard, Listeners, offset_s};
+use crate::advice::together::report_once;
+use crate::analysis::tree::lookups::{Culprit, Listener, Listeners, offset_s};
 use crate::analysis::{names, tf};
 use crate::rules::prelude::*;
 use crate::rules::tree::tf_lookup_coverage::findings::{Case, Cause, Limits, subject_of};
@@ -36,7 +36,7 @@ impl Rule for TfLookupCoverage {
                 }
             }
             for findings in causes.into_values() {
-                tell_once(findings, "fail for the same reason", out);
+                report_once(findings, "fail for the same reason", out);
             }
         }
     }
@@ -118,7 +118,7 @@ fn refused(bag: &BagEvidence, frame: &FrameId) -> Option<FrameId> {
 /// A moving edge on the way whose stamps come from another clock than the topic's, with the seconds between them.
 fn other_clock(
     topic: &TopicEvidence,
-    heard: &Heard<'_>,
+    heard: &Listener<'_>,
     ends: [&FrameId; 2],
     limits: &Limits,
 ) -> Option<(f64, String)> {

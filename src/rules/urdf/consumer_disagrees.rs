@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::advice::subject;
 use crate::rules::prelude::*;
-use crate::source::Placed;
+use crate::source::SourceValue;
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
 
@@ -137,7 +137,7 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
 }
 
 /// An end of the joint that the parser reads as another link.
-fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a Placed<String>, &'a str)> {
+fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a SourceValue<String>, &'a str)> {
     let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
     ends.into_iter().find_map(|(written, read)| {
         let written = written.as_ref()?;

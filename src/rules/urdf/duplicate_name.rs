@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::advice::subject;
 use crate::rules::prelude::*;
-use crate::source::Placed;
+use crate::source::SourceValue;
 
 pub(crate) struct DuplicateName;
 
@@ -34,8 +34,8 @@ impl Rule for DuplicateName {
     }
 }
 
-fn duplicates<'a>(what: &str, path: &str, names: impl Iterator<Item = &'a Placed<String>>) -> Vec<Finding> {
-    let mut by_name: BTreeMap<&str, Vec<&Placed<String>>> = BTreeMap::new();
+fn duplicates<'a>(what: &str, path: &str, names: impl Iterator<Item = &'a SourceValue<String>>) -> Vec<Finding> {
+    let mut by_name: BTreeMap<&str, Vec<&SourceValue<String>>> = BTreeMap::new();
     // An empty name is a missing one, not a duplicate.
     for name in names.filter(|name| !name.value.is_empty()) {
         by_name.entry(name.value.as_str()).or_default().push(name);

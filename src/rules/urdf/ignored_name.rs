@@ -4,7 +4,7 @@ use crate::advice::literal::{replace, with_fix};
 use crate::rules::prelude::*;
 use crate::verdict::Safety;
 use crate::world::World;
-use crate::world::robot::{Ignored, Robot};
+use crate::world::robot::{IgnoredItem, Robot};
 
 pub(crate) struct IgnoredName;
 
@@ -35,7 +35,7 @@ impl Rule for IgnoredName {
     }
 }
 
-fn finding(world: &World, robot: &Robot, ignored: &Ignored, meant: &str) -> Finding {
+fn finding(world: &World, robot: &Robot, ignored: &IgnoredItem, meant: &str) -> Finding {
     let (what, name, parent) = (&ignored.what, &ignored.name.value, &ignored.parent);
     let byte = ignored.name.place.span().unwrap_or_default().start;
     let subject = format!("{what} `{name}` at byte {byte} of {}", world.path(robot.source));

@@ -1,7 +1,7 @@
 //! URDF01: a mesh that is flattened, mirrored or a thousand times too large.
 
 use crate::advice::{subject, tally::Tally};
-use crate::analysis::urdf::scaled::{Scaled, mirrored_on_purpose, scaled};
+use crate::analysis::urdf::scaled::{ScaledMesh, mirrored_on_purpose, scaled};
 use crate::rules::prelude::*;
 use crate::world::{World, robot::Robot};
 
@@ -37,7 +37,7 @@ impl Rule for MeshScale {
     }
 }
 
-fn largest(scaled: &Scaled) -> Measured {
+fn largest(scaled: &ScaledMesh) -> Measured {
     let largest = scaled
         .factors
         .iter()
@@ -45,7 +45,13 @@ fn largest(scaled: &Scaled) -> Measured {
     Measured::new("largest scale factor", largest, "1")
 }
 
-fn judge_scale(world: &World, robot: &Robot, scaled: &Scaled, on_purpose: bool, limits: &Limits) -> Option<Finding> {
+fn judge_scale(
+    world: &World,
+    robot: &Robot,
+    scaled: &ScaledMesh,
+    on_purpose: bool,
+    limits: &Limits,
+) -> Option<Finding> {
     let owner = scaled.subject(world, robot);
     let link = &scaled.link.name.value;
     let (text, usage, file) = (scaled.text(), &scaled.mesh.usage, scaled.file());

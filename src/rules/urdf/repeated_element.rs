@@ -3,7 +3,7 @@
 use crate::advice::subject;
 use crate::rules::prelude::*;
 use crate::world::World;
-use crate::world::robot::{Repeated, Robot};
+use crate::world::robot::{RepeatedItem, Robot};
 
 pub(crate) struct RepeatedElement;
 
@@ -35,7 +35,7 @@ impl Rule for RepeatedElement {
     }
 }
 
-fn finding(world: &World, robot: &Robot, repeated: &Repeated) -> Option<Finding> {
+fn finding(world: &World, robot: &Robot, repeated: &RepeatedItem) -> Option<Finding> {
     let (first, second) = repeated.places.first().zip(repeated.places.get(1))?;
     let same = repeated
         .places

@@ -6,7 +6,7 @@ use crate::world::frame::FrameId;
 
 /// Why tf2 drops a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refused {
+pub enum Rejection {
     /// Parent and child are one frame (`TF_SELF_TRANSFORM`).
     SelfTransform,
     /// The child has no name (`TF_NO_CHILD_FRAME_ID`).
@@ -27,7 +27,7 @@ pub enum Refused {
     Old,
 }
 
-impl Refused {
+impl Rejection {
     /// The word that tf2 logs.
     pub fn word(self) -> &'static str {
         match self {
@@ -211,10 +211,10 @@ impl fmt::Display for LookupError {
 
 impl std::error::Error for LookupError {}
 
-impl fmt::Display for Refused {
+impl fmt::Display for Rejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.word())
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for Rejection {}

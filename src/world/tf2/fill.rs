@@ -8,7 +8,7 @@ use crate::world::claim::{Claim, ClaimKind};
 use crate::world::frame::FrameId;
 use crate::world::graph::EdgeOrigin;
 
-use super::{Buffer, Incoming};
+use super::{Buffer, IncomingTransform};
 
 /// The part before `tf` and `tf_static` in a topic's name: `/` of `/tf`, `/robot1/` of `/robot1/tf_static`. One buffer
 /// listens to the two topics of one namespace. A topic of another name is a namespace of its own.
@@ -38,7 +38,7 @@ impl Buffer {
     }
 
     fn hear(&mut self, edge: &TfEdge, sample: &TfSample, tag: usize) {
-        let heard = Incoming {
+        let heard = IncomingTransform {
             parent: edge.parent.as_str(),
             child: edge.child.as_str(),
             stamp_ns: sample.at.stamp_ns.unwrap_or(sample.at.log_ns),
@@ -94,7 +94,7 @@ impl World {
             if is_known || recorded.contains(&child.canonical()) {
                 continue;
             }
-            let stated = Incoming {
+            let stated = IncomingTransform {
                 parent: parent.as_str(),
                 child: child.as_str(),
                 stamp_ns: 0,

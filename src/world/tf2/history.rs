@@ -6,8 +6,8 @@ use nalgebra::Isometry3;
 
 use crate::world::claim::Pose;
 
-use super::errors::{Extrapolation, Refused};
-use super::{FrameIndex, MadeFrom};
+use super::errors::{Extrapolation, Rejection};
+use super::{FrameIndex, SampleOrigin};
 
 /// One transform of a child.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub(super) enum History {
 pub(super) struct Edge {
     pub(super) parent: FrameIndex,
     pub(super) parent_from_child: Isometry3<f64>,
-    pub(super) made_from: MadeFrom,
+    pub(super) made_from: SampleOrigin,
     pub(super) tags: (usize, Option<usize>),
 }
 
@@ -57,7 +57,7 @@ impl History {
     }
 
     /// Old data are removed first, by the newest stamp before this sample.
-    pub(super) fn insert(&mut self, sample: Sample, cache_ns: Option<i64>) -> Result<(), Refused> {
+    pub(super) fn insert(&mut self, sample: Sample, cache_ns: Option<i64>) -> Result<(), Rejection> {
         let samples = match self {
             Self::Static(known) => {
                 *known = sample;
@@ -71,7 +71,7 @@ impl History {
                 samples.pop_front();
             }
             if sample.stamp_ns < oldest_kept {
-                return Err(Refused::Old);
+                return Err(Rejection::Old);
             }
         }
         let after = samples.partition_point(|known| known.stamp_ns <= sample.stamp_ns);
@@ -80,7 +80,7 @@ impl History {
             .take_while(|known| known.stamp_ns == sample.stamp_ns)
             .any(|known| known.repeats(&sample))
         {
-            return Err(Refused::Repeated);
+            return Err(Rejection::Repeated);
         }
         samples.insert(after, sample);
         Ok(())
@@ -89,10 +89,10 @@ impl History {
     /// The edge at a stamp; zero requests the latest.
     pub(super) fn at(&self, stamp_ns: i64) -> Result<Edge, Extrapolation> {
         let samples = match self {
-            Self::Static(sample) => return Ok(whole(sample, MadeFrom::Static)),
+            Self::Static(sample) => return Ok(whole(sample, SampleOrigin::Static)),
             Self::Moving(samples) => samples,
         };
-        let one = |sample: &Sample| Ok(whole(sample, MadeFrom::Sample(sample.stamp_ns)));
+        let one = |sample: &Sample| Ok(whole(sample, SampleOrigin::Sample(sample.stamp_ns)));
         let requested_ns = stamp_ns;
         let (Some(first), Some(last)) = (samples.front(), samples.back()) else {
             return Err(Extrapolation::Single {
@@ -158,7 +158,7 @@ impl History {
     }
 }
 
-fn whole(sample: &Sample, made_from: MadeFrom) -> Edge {
+fn whole(sample: &Sample, made_from: SampleOrigin) -> Edge {
     Edge {
         parent: sample.parent,
         parent_from_child: sample.pose.isometry(),
@@ -170,7 +170,7 @@ fn whole(sample: &Sample, made_from: MadeFrom) -> Edge {
 /// Linear in the translation, spherical (along the shorter arc) in the rotation.
 fn between(older: &Sample, newer: &Sample, stamp_ns: i64) -> Edge {
     if stamp_ns == older.stamp_ns {
-        return whole(older, MadeFrom::Sample(older.stamp_ns));
+        return whole(older, SampleOrigin::Sample(older.stamp_ns));
     }
     let length = i128::from(newer.stamp_ns) - i128::from(older.stamp_ns);
     let ratio = (i128::from(stamp_ns) - i128::from(older.stamp_ns)) as f64 / length as f64;
@@ -181,7 +181,7 @@ fn between(older: &Sample, newer: &Sample, stamp_ns: i64) -> Edge {
     Edge {
         parent: older.parent,
         parent_from_child: Isometry3::from_parts(translation.into(), rotation),
-        made_from: MadeFrom::Between(older.stamp_ns, newer.stamp_ns),
+        made_from: SampleOrigin::Between(older.stamp_ns, newer.stamp_ns),
         tags: (older.tag, Some(newer.tag)),
     }
 }

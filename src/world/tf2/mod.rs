@@ -25,7 +25,7 @@ use nalgebra::Isometry3;
 use super::claim::Pose;
 use super::frame::FrameId;
 
-pub use errors::{Extrapolation, LookupError, Refused};
+pub use errors::{Extrapolation, LookupError, Rejection};
 pub use fill::{namespace, namespaces};
 use history::{History, Sample};
 
@@ -43,7 +43,7 @@ type FrameIndex = usize;
 
 /// A transform on its way in, as published.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Incoming<'a> {
+pub struct IncomingTransform<'a> {
     /// `header.frame_id` as spelled.
     pub parent: &'a str,
     /// `child_frame_id` as spelled.
@@ -62,7 +62,7 @@ pub struct Incoming<'a> {
 
 /// The answer to a look-up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct Lookup {
     /// The requested transform.
     pub target_from_source: Isometry3<f64>,
     /// Its stamp: the requested one, or the latest common one. Zero where everything is static.
@@ -84,14 +84,14 @@ pub struct Factor {
     /// The edge, interpolated.
     pub parent_from_child: Isometry3<f64>,
     /// The samples that it was made from.
-    pub made_from: MadeFrom,
+    pub made_from: SampleOrigin,
     /// Tags of the sample before and, where it was interpolated, of the one after.
     pub tags: (usize, Option<usize>),
 }
 
 /// The samples that an edge's value was made from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MadeFrom {
+pub enum SampleOrigin {
     /// A static transform, valid at all times.
     Static,
     /// One sample with this stamp, nanoseconds: the requested stamp, or an older one where the parent changes after it.
@@ -149,7 +149,7 @@ impl Buffer {
     /// # Errors
     ///
     /// The reason for which tf2 drops the transform.
-    pub fn insert(&mut self, incoming: &Incoming<'_>) -> Result<(), Refused> {
+    pub fn insert(&mut self, incoming: &IncomingTransform<'_>) -> Result<(), Rejection> {
         let (parent, child) = (
             FrameId::new(incoming.parent).canonical(),
             FrameId::new(incoming.child).canonical(),
@@ -248,22 +248,22 @@ impl Buffer {
 }
 
 /// The tests of `setTransformImpl`, in its order.
-fn accepted(parent: &FrameId, child: &FrameId, incoming: &Incoming<'_>) -> Result<Pose, Refused> {
+fn accepted(parent: &FrameId, child: &FrameId, incoming: &IncomingTransform<'_>) -> Result<Pose, Rejection> {
     if child.as_str().is_empty() {
-        return Err(Refused::NoChild);
+        return Err(Rejection::NoChild);
     }
     if parent.as_str().is_empty() {
-        return Err(Refused::NoParent);
+        return Err(Rejection::NoParent);
     }
     if parent == child {
-        return Err(Refused::SelfTransform);
+        return Err(Rejection::SelfTransform);
     }
     let rotation = incoming.rotation_xyzw;
     if !incoming.translation_m.iter().chain(&rotation).all(|v| v.is_finite()) {
-        return Err(Refused::NotFinite);
+        return Err(Rejection::NotFinite);
     }
     let norm_squared: f64 = rotation.iter().map(|v| v * v).sum();
     Pose::from_raw(incoming.translation_m, rotation)
         .filter(|_| (norm_squared - 1.0).abs() < NORM_TOLERANCE)
-        .ok_or(Refused::Denormalized { norm_squared })
+        .ok_or(Rejection::Denormalized { norm_squared })
 }

@@ -6,7 +6,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-use super::{Buffer, DEFAULT_CACHE_NS, Extrapolation, Found, Incoming, LookupError, MadeFrom, Refused};
+use super::{Buffer, DEFAULT_CACHE_NS, Extrapolation, IncomingTransform, Lookup, LookupError, Rejection, SampleOrigin};
 use crate::world::claim::Pose;
 use crate::world::frame::FrameId;
 
@@ -14,8 +14,8 @@ const S: i64 = 1_000_000_000;
 const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// A transform along x at a second.
-fn at<'a>(parent: &'a str, child: &'a str, second: i64, x: f64) -> Incoming<'a> {
-    Incoming {
+fn at<'a>(parent: &'a str, child: &'a str, second: i64, x: f64) -> IncomingTransform<'a> {
+    IncomingTransform {
         parent,
         child,
         stamp_ns: second * S,
@@ -26,14 +26,14 @@ fn at<'a>(parent: &'a str, child: &'a str, second: i64, x: f64) -> Incoming<'a> 
     }
 }
 
-fn mount<'a>(parent: &'a str, child: &'a str, x: f64) -> Incoming<'a> {
-    Incoming {
+fn mount<'a>(parent: &'a str, child: &'a str, x: f64) -> IncomingTransform<'a> {
+    IncomingTransform {
         is_static: true,
         ..at(parent, child, 0, x)
     }
 }
 
-fn filled<'a>(cache_ns: Option<i64>, transforms: impl IntoIterator<Item = Incoming<'a>>) -> Buffer {
+fn filled<'a>(cache_ns: Option<i64>, transforms: impl IntoIterator<Item = IncomingTransform<'a>>) -> Buffer {
     let mut buffer = Buffer::new(cache_ns);
     for transform in transforms {
         buffer.insert(&transform).unwrap();
@@ -41,11 +41,11 @@ fn filled<'a>(cache_ns: Option<i64>, transforms: impl IntoIterator<Item = Incomi
     buffer
 }
 
-fn x(found: Result<Found, LookupError>) -> f64 {
+fn x(found: Result<Lookup, LookupError>) -> f64 {
     found.unwrap().target_from_source.translation.x
 }
 
-fn kind(found: Result<Found, LookupError>) -> String {
+fn kind(found: Result<Lookup, LookupError>) -> String {
     match found {
         Ok(found) => format!("{}", found.target_from_source.translation.x),
         Err(LookupError::Extrapolation { what, .. }) => match what {
@@ -60,13 +60,13 @@ fn kind(found: Result<Found, LookupError>) -> String {
 #[test]
 fn faulty_transforms_are_dropped_with_the_word_of_tf2() {
     let mut buffer = Buffer::new(None);
-    let mut word = |sent: Incoming<'_>| buffer.insert(&sent).map_or_else(Refused::word, |()| "ok");
+    let mut word = |sent: IncomingTransform<'_>| buffer.insert(&sent).map_or_else(Rejection::word, |()| "ok");
     let good = at("a", "b", 1, 0.0);
     assert_eq!(word(at("/a", "a", 1, 0.0)), "TF_SELF_TRANSFORM");
     assert_eq!(word(at("a", "/", 1, 0.0)), "TF_NO_CHILD_FRAME_ID");
     assert_eq!(word(at("", "b", 1, 0.0)), "TF_NO_FRAME_ID");
     assert_eq!(word(at("a", "b", 1, f64::NAN)), "TF_NAN_INPUT");
-    let turned = |rotation_xyzw| Incoming { rotation_xyzw, ..good };
+    let turned = |rotation_xyzw| IncomingTransform { rotation_xyzw, ..good };
     assert_eq!(word(turned([0.0; 4])), "TF_DENORMALIZED_QUATERNION");
     // | |q|² - 1 | of just under and over 0.01.
     assert_eq!(word(turned([0.0, 0.0, 0.0, 1.0051])), "TF_DENORMALIZED_QUATERNION");
@@ -79,7 +79,7 @@ fn faulty_transforms_are_dropped_with_the_word_of_tf2() {
 #[test]
 fn an_equal_transform_is_a_repetition_and_another_value_of_its_stamp_is_not() {
     let mut buffer = filled(None, [at("a", "b", 1, 1.0), at("a", "b", 2, 2.0)]);
-    assert_eq!(buffer.insert(&at("a", "b", 2, 2.0)), Err(Refused::Repeated));
+    assert_eq!(buffer.insert(&at("a", "b", 2, 2.0)), Err(Rejection::Repeated));
     assert_eq!(buffer.insert(&at("a", "b", 2, 5.0)), Ok(()));
     // The later one answers.
     assert_eq!(x(buffer.lookup("a", "b", 2 * S)), 5.0);
@@ -95,7 +95,7 @@ fn the_cache_drops_what_is_older_than_its_length() {
     let mut buffer = filled(Some(DEFAULT_CACHE_NS), (0..=30).map(|s| at("a", "b", 100 + s, 0.0)));
     // What arrives prunes by the stamps that came before it.
     assert_eq!(buffer.span_ns(&FrameId::new("b")), Some((119 * S, 130 * S)));
-    assert_eq!(buffer.insert(&at("a", "b", 119, 1.0)), Err(Refused::Old));
+    assert_eq!(buffer.insert(&at("a", "b", 119, 1.0)), Err(Rejection::Old));
     assert_eq!(buffer.insert(&at("a", "b", 120, 1.0)), Ok(()));
     assert_eq!(kind(buffer.lookup("a", "b", 119 * S)), "past");
     let unlimited = filled(None, (0..=30).map(|s| at("a", "b", 100 + s, 0.0)));
@@ -132,7 +132,7 @@ fn a_second_parent_takes_the_child_over_and_nothing_is_interpolated_across() {
     );
     let found = buffer.lookup("a", "c", 19 * S).unwrap();
     assert_eq!(found.target_from_source.translation.x, 1.0, "the older sample stands");
-    assert_eq!(found.factors[0].made_from, MadeFrom::Sample(10 * S));
+    assert_eq!(found.factors[0].made_from, SampleOrigin::Sample(10 * S));
     assert_eq!(kind(buffer.lookup("b", "c", 19 * S)), "ConnectivityException");
     assert_eq!(kind(buffer.lookup("b", "c", 25 * S)), "3");
     assert_eq!(kind(buffer.lookup("a", "c", 25 * S)), "ConnectivityException");
@@ -241,9 +241,9 @@ fn poses() -> impl Strategy<Value = Isometry3<f64>> {
         })
 }
 
-fn sent<'a>(parent: &'a str, child: &'a str, second: i64, pose: &Isometry3<f64>) -> Incoming<'a> {
+fn sent<'a>(parent: &'a str, child: &'a str, second: i64, pose: &Isometry3<f64>) -> IncomingTransform<'a> {
     let pose = Pose::from_isometry(pose);
-    Incoming {
+    IncomingTransform {
         translation_m: pose.translation_m,
         rotation_xyzw: pose.rotation_xyzw,
         ..at(parent, child, second, 0.0)

@@ -6,7 +6,7 @@ use crate::world::frame::FrameId;
 
 use super::errors::LookupError;
 use super::history::Edge;
-use super::{Buffer, Extrapolation, Factor, Found, FrameIndex, MAX_DEPTH};
+use super::{Buffer, Extrapolation, Factor, FrameIndex, Lookup, MAX_DEPTH};
 
 /// An edge on the way up, with its child.
 type Step = (FrameIndex, Edge);
@@ -17,9 +17,9 @@ impl Buffer {
     /// # Errors
     ///
     /// What tf2 would throw.
-    pub fn lookup(&self, target: &str, source: &str, stamp_ns: i64) -> Result<Found, LookupError> {
+    pub fn lookup(&self, target: &str, source: &str, stamp_ns: i64) -> Result<Lookup, LookupError> {
         let (stamp_ns, up, down) = self.way(target, source, stamp_ns)?;
-        let mut found = Found {
+        let mut found = Lookup {
             target_from_source: Isometry3::identity(),
             stamp_ns,
             factors: Vec::with_capacity(up.len() + down.len()),
@@ -179,14 +179,14 @@ impl Buffer {
     fn latest_common_ns(&self, target: FrameIndex, source: FrameIndex) -> Result<i64, LookupError> {
         let or_zero = |common: Option<i64>| common.unwrap_or(0);
         let from_source = match self.latest_up(source, target, |_| false)? {
-            Up::Reached(common) => return Ok(or_zero(common)),
-            Up::Top(steps) | Up::Met(steps) => steps,
+            WalkEnd::Reached(common) => return Ok(or_zero(common)),
+            WalkEnd::Top(steps) | WalkEnd::Met(steps) => steps,
         };
         let on_way = |parent: FrameIndex| from_source.iter().any(|(_, known)| *known == parent);
         let from_target = match self.latest_up(target, source, on_way)? {
-            Up::Reached(common) => return Ok(or_zero(common)),
-            Up::Met(steps) => steps,
-            Up::Top(_) => return Err(self.not_connected(target, source)),
+            WalkEnd::Reached(common) => return Ok(or_zero(common)),
+            WalkEnd::Met(steps) => steps,
+            WalkEnd::Top(_) => return Err(self.not_connected(target, source)),
         };
         let meeting = from_target.last().map(|(_, parent)| *parent);
         let mut common = earliest(&from_target);
@@ -205,28 +205,28 @@ impl Buffer {
         from: FrameIndex,
         goal: FrameIndex,
         met: impl Fn(FrameIndex) -> bool,
-    ) -> Result<Up, LookupError> {
+    ) -> Result<WalkEnd, LookupError> {
         let mut steps: Vec<(i64, FrameIndex)> = Vec::new();
         let mut frame = from;
         while let Some((stamp_ns, parent)) = self.history(frame).and_then(super::history::History::latest) {
             steps.push((stamp_ns, parent));
             if met(parent) {
-                return Ok(Up::Met(steps));
+                return Ok(WalkEnd::Met(steps));
             }
             if parent == goal {
-                return Ok(Up::Reached(earliest(&steps)));
+                return Ok(WalkEnd::Reached(earliest(&steps)));
             }
             frame = parent;
             if steps.len() > MAX_DEPTH {
                 return Err(LookupError::Loop);
             }
         }
-        Ok(Up::Top(steps))
+        Ok(WalkEnd::Top(steps))
     }
 }
 
 /// How a walk up ended; steps are the newest stamp of a frame and its newest parent.
-enum Up {
+enum WalkEnd {
     /// At the other frame, with the earliest of the stamps.
     Reached(Option<i64>),
     /// At a parent that the other walk passed too.

@@ -2,13 +2,13 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::errors::{Change, Error, GRAVITY, Needs};
-use crate::support::drive::errors::{Error as Known, Oriented, frd_from_flu, ned_from_enu, rotation, slots};
+use crate::errors::{Change, Error, GRAVITY, Requirement};
+use crate::support::drive::errors::{Error as Known, OrientedRow, frd_from_flu, ned_from_enu, rotation, slots};
 use crate::support::drive::rows::ImuRow;
 
 macro_rules! imu {
     ($name:literal, $needs:ident, [$($known:ident),*], $words:expr, $texts:expr, $seen_by:expr) => {
-        error!($name, Change::Imu(Needs::$needs, |row| { $(row.apply(Known::$known, GRAVITY);)* }), $words, $texts, $seen_by)
+        error!($name, Change::Imu(Requirement::$needs, |row| { $(row.apply(Known::$known, GRAVITY);)* }), $words, $texts, $seen_by)
     };
 }
 
@@ -111,7 +111,7 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "on its side",
-        Change::Imu(Needs::Nothing, |row| row.change_body(&on_side())),
+        Change::Imu(Requirement::Nothing, |row| row.change_body(&on_side())),
         ["on-its-side"],
         ["the sensor is mounted on its side"],
         ["AXES01"]
@@ -146,7 +146,8 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "gyro FRD",
-        Change::Imu(Needs::Gyro, |row| row.gyro = [row.gyro[0], -row.gyro[1], -row.gyro[2]]),
+        Change::Imu(Requirement::Gyro, |row| row.gyro =
+            [row.gyro[0], -row.gyro[1], -row.gyro[2]]),
         ["gyro-frd"],
         ["the gyro alone is expressed in FRD"],
         ["QUAT01", "AXES05"]
@@ -193,14 +194,14 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "gravity removed",
-        Change::Imu(Needs::Gravity, gravity_removed),
+        Change::Imu(Requirement::Gravity, gravity_removed),
         [],
         ["gravity is removed", "no known unit fits"],
         ["AXES02 acceleration"]
     ),
     error!(
         "body alone FRD",
-        Change::Imu(Needs::Orientation, |row| row.orientation =
+        Change::Imu(Requirement::Orientation, |row| row.orientation =
             slots(rotation(row.orientation) * frd_from_flu())),
         ["frd-body"],
         ["only the body of the orientation is FRD"],
@@ -208,7 +209,7 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "sides changed",
-        Change::Imu(Needs::Orientation, |row| row.orientation = slots(
+        Change::Imu(Requirement::Orientation, |row| row.orientation = slots(
             frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu()
         )),
         ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
@@ -242,7 +243,8 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "covariance deg2",
-        Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceDegrees, GRAVITY)),
+        Change::Imu(Requirement::Covariance, |row| row
+            .apply(Known::CovarianceDegrees, GRAVITY)),
         ["degrees"],
         [],
         ["COV05"]

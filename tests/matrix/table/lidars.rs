@@ -3,14 +3,18 @@
 use nalgebra::{Isometry3, Vector3};
 
 use crate::errors::{Change, Error};
-use crate::lidars::{LIDAR, RIGHT, Told, optical, tell, turn};
+use crate::lidars::{LIDAR, LidarSetup, RIGHT, optical, set_lidar, turn};
 use crate::support::clouds::Times;
 
 macro_rules! lidar {
-    ($name:literal, $told:expr, $words:expr, $texts:expr, $seen_by:expr) => {
+    ($name:literal, $setup:expr, $words:expr, $texts:expr, $seen_by:expr) => {
         error!(
             $name,
-            Change::Staged(&LIDAR, |world, stream| tell(world, stream, &Told { ..$told })),
+            Change::Staged(&LIDAR, |world, stream| set_lidar(
+                world,
+                stream,
+                &LidarSetup { ..$setup }
+            )),
             $words,
             $texts,
             $seen_by
@@ -25,7 +29,7 @@ macro_rules! other_frame {
     ($name:literal, $more:expr) => {
         lidar!(
             $name,
-            Told {
+            LidarSetup {
                 cloud: |lidar| {
                     lidar.turned_deg = 180.0;
                     let more: fn(&mut crate::support::clouds::Lidar) = $more;
@@ -44,7 +48,7 @@ macro_rules! other_frame {
 pub static ERRORS: &[Error] = &[
     lidar!(
         "cloud z down",
-        Told {
+        LidarSetup {
             axes: |_| turn(Vector3::x(), 180.0),
             ..RIGHT
         },
@@ -54,7 +58,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "cloud z forward",
-        Told {
+        LidarSetup {
             axes: |_| optical(),
             ..RIGHT
         },
@@ -64,7 +68,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "mount z down",
-        Told {
+        LidarSetup {
             mount: |mount| mount * turn(Vector3::x(), 180.0),
             ..RIGHT
         },
@@ -74,7 +78,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "mount z forward",
-        Told {
+        LidarSetup {
             mount: |mount| mount * optical().inverse(),
             ..RIGHT
         },
@@ -84,7 +88,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "lidar yaw 90",
-        Told {
+        LidarSetup {
             mount: |mount| mount * turn(Vector3::z(), 90.0),
             ..RIGHT
         },
@@ -94,7 +98,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "lidar yaw 180",
-        Told {
+        LidarSetup {
             mount: |mount| mount * turn(Vector3::z(), 180.0),
             ..RIGHT
         },
@@ -104,7 +108,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "lidar mount inverse",
-        Told {
+        LidarSetup {
             mount: |mount| mount.inverse(),
             ..RIGHT
         },
@@ -114,7 +118,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "cloud mirrored",
-        Told {
+        LidarSetup {
             cloud: |lidar| lidar.mirrored = true,
             ..RIGHT
         },
@@ -128,7 +132,7 @@ pub static ERRORS: &[Error] = &[
     other_frame!("Ouster window", |lidar| lidar.window_deg = Some([-60.0, 60.0])),
     lidar!(
         "os_lidar as os_sensor",
-        Told {
+        LidarSetup {
             half_turn: 0.0,
             ..RIGHT
         },
@@ -138,7 +142,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "no point times",
-        Told {
+        LidarSetup {
             cloud: |lidar| lidar.times = Times::Missing,
             ..RIGHT
         },
@@ -148,7 +152,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "one point time",
-        Told {
+        LidarSetup {
             cloud: |lidar| lidar.times = Times::Constant,
             ..RIGHT
         },
@@ -158,7 +162,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "point times in us",
-        Told {
+        LidarSetup {
             cloud: |lidar| lidar.time_scale = 1e-3,
             ..RIGHT
         },
@@ -168,7 +172,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "point times reversed",
-        Told {
+        LidarSetup {
             cloud: |lidar| lidar.times = Times::Reversed,
             ..RIGHT
         },
@@ -178,7 +182,7 @@ pub static ERRORS: &[Error] = &[
     ),
     lidar!(
         "cloud in UTM",
-        Told {
+        LidarSetup {
             axes: |_| Isometry3::translation(448_262.0, 5_411_932.0, 120.0),
             ..RIGHT
         },

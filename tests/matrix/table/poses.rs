@@ -1,14 +1,14 @@
 //! Errors of poses and of what is published with them.
 
 use super::MIRRORED;
-use crate::errors::{Change, Error, Needs};
+use crate::errors::{Change, Error, Requirement};
 use crate::places::Place;
 use crate::support::drive::covariance::rotate6;
 use crate::support::drive::errors::{Error as Known, frd_from_flu, rotation, slots, turn};
 
 macro_rules! poses {
     ($name:literal, $needs:ident, [$($known:ident),*], $words:expr, $texts:expr, $seen_by:expr) => {
-        error!($name, Change::Poses(Needs::$needs, |row| { $(row.apply(Known::$known);)* }), $words, $texts, $seen_by)
+        error!($name, Change::Poses(Requirement::$needs, |row| { $(row.apply(Known::$known);)* }), $words, $texts, $seen_by)
     };
 }
 
@@ -104,7 +104,7 @@ pub static ERRORS: &[Error] = &[
     poses!("base backward", Child, [Backward], ["bru"], ["backward"], ["AXES13"]),
     error!(
         "body turned on the left",
-        Change::Poses(Needs::Child, |row| row.pose.orientation =
+        Change::Poses(Requirement::Child, |row| row.pose.orientation =
             slots(frd_from_flu() * rotation(row.pose.orientation))),
         ["x180", "frd", "z-down", "flu-frd"],
         ["stands on the", "is upside down in", "-z points up"],
@@ -112,7 +112,7 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "world turned on the right",
-        Change::Poses(Needs::Child, |row| row.pose.orientation =
+        Change::Poses(Requirement::Child, |row| row.pose.orientation =
             slots(rotation(row.pose.orientation) * turn(-std::f64::consts::FRAC_PI_2))),
         ["rfu"],
         ["stands on the", "rotated by 90 deg about z relative to the position"],
@@ -160,7 +160,7 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "yaw rate deg/s",
-        Change::Poses(Needs::Twist, |row| row.angular = row.angular.map(f64::to_degrees)),
+        Change::Poses(Requirement::Twist, |row| row.angular = row.angular.map(f64::to_degrees)),
         [],
         ["yaw rate is in deg/s"],
         ["AXES08 turning"]
@@ -257,7 +257,7 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "covariance in body",
-        Change::Poses(Needs::Covariance, |row| {
+        Change::Poses(Requirement::Covariance, |row| {
             let back = rotation(row.pose.orientation).inverse();
             rotate6(
                 &mut row.pose.covariance,

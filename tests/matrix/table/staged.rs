@@ -8,7 +8,7 @@ macro_rules! earth {
     ($name:literal, $known:ident, $word:literal) => {
         error!(
             $name,
-            Change::Staged(&EARTH, |world, stream| stages::tell_earth(
+            Change::Staged(&EARTH, |world, stream| stages::add_earth(
                 world,
                 stream,
                 Some(Known::$known)

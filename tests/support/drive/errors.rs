@@ -173,7 +173,7 @@ pub fn slots(rotation: UnitQuaternion<f64>) -> [f64; 4] {
 }
 
 /// A row with an orientation.
-pub trait Oriented {
+pub trait OrientedRow {
     /// The slots of its orientation `world_from_body`.
     fn orientation(&mut self) -> &mut [f64; 4];
     /// Gives it in another world.
@@ -185,7 +185,7 @@ pub trait Oriented {
 }
 
 /// Applies an error of orientations; false where it is none.
-pub fn apply(row: &mut impl Oriented, error: Error) -> bool {
+pub fn apply(row: &mut impl OrientedRow, error: Error) -> bool {
     let published = rotation(*row.orientation());
     let (roll, pitch, yaw) = published.euler_angles();
     let body = match error {

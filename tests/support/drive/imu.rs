@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::covariance::{self, diagonal, rotate};
 use super::description::{Grade, Motion, Vehicle};
-use super::errors::{self, Error, Oriented, frd_from_flu, mirrored, rotation, slots};
+use super::errors::{self, Error, OrientedRow, frd_from_flu, mirrored, rotation, slots};
 use super::random::Correlated;
 use super::rows::ImuRow;
 use super::{Drive, Stream};
@@ -189,7 +189,7 @@ impl ImuRow {
     }
 }
 
-impl Oriented for ImuRow {
+impl OrientedRow for ImuRow {
     fn orientation(&mut self) -> &mut [f64; 4] {
         &mut self.orientation
     }

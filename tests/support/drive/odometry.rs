@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::covariance::{self, diagonal6, rotate6};
 use super::description::{Vehicle, Wheels};
-use super::errors::{self, Error, Oriented, rotation, slots, turn};
+use super::errors::{self, Error, OrientedRow, rotation, slots, turn};
 use super::pose::apply_position;
 use super::random::series;
 use super::rows::{OdometryRow, PoseRow};
@@ -180,7 +180,7 @@ impl OdometryRow {
     }
 }
 
-impl Oriented for OdometryRow {
+impl OrientedRow for OdometryRow {
     fn orientation(&mut self) -> &mut [f64; 4] {
         &mut self.pose.orientation
     }

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use super::covariance::{self, diagonal6, rotate6};
 use super::description::Gnss;
 use super::earth::Place;
-use super::errors::{self, Error, Oriented, mirrored, ned_from_enu, rotation, slots, turn};
+use super::errors::{self, Error, OrientedRow, mirrored, ned_from_enu, rotation, slots, turn};
 use super::random::Wander;
 use super::rows::PoseRow;
 use super::{Drive, Stream};
@@ -207,7 +207,7 @@ impl PoseRow {
     }
 }
 
-impl Oriented for PoseRow {
+impl OrientedRow for PoseRow {
     fn orientation(&mut self) -> &mut [f64; 4] {
         &mut self.orientation
     }

@@ -42,7 +42,7 @@ pub(super) struct Channels<'v> {
     /// Messages by channel id, as the file's statistics say.
     pub(super) totals: BTreeMap<u16, u64>,
     /// Channels announced so far.
-    pub(super) told: usize,
+    pub(super) announced: usize,
     /// Messages passed on.
     pub(super) messages: u64,
     /// Messages whose channel the file does not define.
@@ -61,7 +61,7 @@ impl<'v> Channels<'v> {
             visit,
             repeated: Vec::new(),
             totals: BTreeMap::new(),
-            told: 0,
+            announced: 0,
             messages: 0,
             orphans: 0,
             redefined: 0,
@@ -130,8 +130,8 @@ impl<'v> Channels<'v> {
 
     /// Ids of the channels announced so far that are wanted.
     pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
-        let told = self.by_id.iter().filter(|(_, channel)| wanted(channel));
-        told.map(|(id, _)| u32::from(*id)).collect()
+        let chosen = self.by_id.iter().filter(|(_, channel)| wanted(channel));
+        chosen.map(|(id, _)| u32::from(*id)).collect()
     }
 
     /// Passes on what a file contains besides messages.
@@ -175,7 +175,7 @@ impl<'v> Channels<'v> {
         // Id 0 says that there is no schema; with a missing one the type is unknown too.
         let schema = self.schemas.get(&record.schema_id).filter(|_| record.schema_id != 0);
         let mut channel = Channel {
-            number: self.told,
+            number: self.announced,
             topic: record.topic,
             message_type: schema.map_or_else(String::new, |schema| schema.name.clone()),
             schema: schema.map_or_else(|| Arc::from([]), |schema| Arc::clone(&schema.data)),
@@ -198,15 +198,15 @@ impl<'v> Channels<'v> {
                 return Ok(());
             }
             self.redefined += 1;
-            channel.number = self.told;
+            channel.number = self.announced;
         }
         self.channel_bytes += size(&channel);
-        if self.told >= MAX_CHANNELS || self.channel_bytes > MAX_CHANNEL_BYTES {
+        if self.announced >= MAX_CHANNELS || self.channel_bytes > MAX_CHANNEL_BYTES {
             return Err(format!(
                 "more than {MAX_CHANNELS} channel definitions, or {MAX_CHANNEL_BYTES} bytes of them"
             ));
         }
-        self.told += 1;
+        self.announced += 1;
         self.visit.channel(&channel);
         self.by_id.insert(record.id, channel);
         Ok(())

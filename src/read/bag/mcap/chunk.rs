@@ -9,7 +9,7 @@ use ::mcap::records::op;
 use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::MAX_MESSAGE;
-use super::super::inflate::{Compression, Packed, Unpacked};
+use super::super::inflate::{Compression, PackedChunk, UnpackedChunk};
 use super::channels::Channels;
 use super::fields::Fields;
 use super::{MAX_CHUNK, MAX_WHOLE_CHUNK, Pass, Stop};
@@ -109,7 +109,7 @@ impl Pass<'_, '_> {
         let mut data = self.inflater.buffer();
         data.resize(usize::try_from(head.packed).unwrap_or(0), 0);
         self.read_exact(&mut data)?;
-        let chunk = Packed {
+        let chunk = PackedChunk {
             at: start,
             compression: head.compression.unwrap_or(Compression::None),
             size: head.size,
@@ -170,7 +170,7 @@ fn cut(len: u64) -> String {
 fn look<'a, 'v>(
     channels: &'a mut Channels<'v>,
     faults: &'a mut Vec<Stop>,
-) -> impl FnMut(&Unpacked) -> Result<(), Stop> + use<'a, 'v> {
+) -> impl FnMut(&UnpackedChunk) -> Result<(), Stop> + use<'a, 'v> {
     move |chunk| {
         if chunk.seam {
             channels.seam();

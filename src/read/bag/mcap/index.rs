@@ -45,7 +45,7 @@ pub(super) struct Index {
     /// First and last log time, nanoseconds.
     pub(super) span_ns: Option<(i64, i64)>,
     /// Metadata records, and attachments by name and media type.
-    pub(super) notes: super::notes::Noted,
+    pub(super) notes: super::notes::SummaryNotes,
     /// Bytes of the summary.
     pub(super) bytes: u64,
     /// Where it starts.

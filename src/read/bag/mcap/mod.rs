@@ -23,9 +23,9 @@ use crate::source::{Place, ReadStatus, Source};
 use self::channels::{Channels, KIND_ZERO};
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
-use super::chunks::{self, Marked};
+use super::chunks::{self, MarkedChannels};
 use super::inflate::Inflater;
-use super::{Extent, MAX_MESSAGE, Progress, Task, Wanted};
+use super::{Extent, MAX_MESSAGE, Progress, Selection, Task};
 
 /// Bound on the uncompressed size a chunk may claim, bytes; recorders cut chunks at some megabytes.
 const MAX_CHUNK: u64 = 1 << 30;
@@ -62,7 +62,7 @@ struct Pass<'a, 'v> {
     /// Damaged chunks, after which reading continued.
     faults: Vec<Stop>,
     progress: Progress<'a>,
-    told: u64,
+    last_progress: u64,
     /// Buffer for records outside chunks.
     record: Vec<u8>,
     /// Kind and place of the record in the buffer, while it has not been used.
@@ -93,7 +93,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         inflater: Inflater::default(),
         faults: Vec::new(),
         progress,
-        told: 0,
+        last_progress: 0,
         record: Vec::new(),
         held: None,
         data_ended: false,
@@ -141,13 +141,13 @@ pub(super) fn span(file: &File, total: u64) -> Option<(i64, i64)> {
 
 impl Pass<'_, '_> {
     /// The chunks that are read, where that is less than all of them. `None` as well where the index is wrong.
-    fn choose(&mut self, index: &Index, sampling: &super::Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
+    fn choose(&mut self, index: &Index, sampling: &super::Sampling, wanted: &Selection<'_>) -> Option<Vec<usize>> {
         let all: u64 = index.infos.iter().map(|info| info.bytes).sum();
         if all <= sampling.bytes {
             return None;
         }
         self.define(index).then_some(())?;
-        let marked = Marked::of(wanted, |is_wanted| self.channels.wanted(is_wanted));
+        let marked = MarkedChannels::of(wanted, |is_wanted| self.channels.wanted(is_wanted));
         let chosen = chunks::choose(&index.infos, sampling, &marked);
         if chosen.len() == index.chunks.len() {
             return None;
@@ -281,8 +281,8 @@ impl Pass<'_, '_> {
         self.held = None;
         loop {
             self.used = self.at;
-            if self.at >= self.told + PROGRESS_STEP {
-                self.told = self.at;
+            if self.at >= self.last_progress + PROGRESS_STEP {
+                self.last_progress = self.at;
                 (self.progress)(self.at, self.total);
             }
             if self.at >= self.total {

@@ -18,13 +18,13 @@ const ATTACHMENTS: &str = "attachments";
 
 /// What the summary says about them.
 #[derive(Default)]
-pub(super) struct Noted {
+pub(super) struct SummaryNotes {
     /// Where metadata records start, and their length with the frame.
     metadata: Vec<(u64, u64)>,
     attachments: BTreeMap<String, String>,
 }
 
-impl Noted {
+impl SummaryNotes {
     /// Takes in a record of the summary; one that cannot be parsed affects no other.
     pub(super) fn record(&mut self, kind: u8, body: &[u8]) {
         if self.metadata.len() + self.attachments.len() >= MAX_NOTES {
@@ -42,7 +42,7 @@ impl Noted {
 
 impl Pass<'_, '_> {
     /// Passes on the records that the summary points at. Records that are not where it says are skipped.
-    pub(super) fn noted(&mut self, notes: &Noted) {
+    pub(super) fn noted(&mut self, notes: &SummaryNotes) {
         for (at, length) in &notes.metadata {
             let found = self.seek(*at).and_then(|()| self.frame());
             if let Ok((op::METADATA, len)) = found

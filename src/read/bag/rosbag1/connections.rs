@@ -15,7 +15,7 @@ const MAX_CONNECTIONS: usize = 1 << 16;
 /// Bound on the definitions and names of all connections together, bytes: a definition has up to 20 KB.
 const MAX_BYTES: usize = 128 << 20;
 
-struct Known {
+struct ConnectionState {
     channel: Channel,
     /// Messages found.
     read: u64,
@@ -23,10 +23,10 @@ struct Known {
 
 /// Takes in the records that matter: connections and messages.
 pub(super) struct Connections<'v> {
-    by_number: BTreeMap<u32, Known>,
+    by_number: BTreeMap<u32, ConnectionState>,
     bytes: usize,
     pub(super) visit: &'v mut dyn Visit,
-    told: usize,
+    announced: usize,
     /// First and last log time of the chunk that is being read, as the index says.
     pub(super) span_ns: Option<(i64, i64)>,
     /// Messages passed on.
@@ -45,7 +45,7 @@ impl<'v> Connections<'v> {
             by_number: BTreeMap::new(),
             bytes: 0,
             visit,
-            told: 0,
+            announced: 0,
             span_ns: None,
             messages: 0,
             orphans: 0,
@@ -71,8 +71,8 @@ impl<'v> Connections<'v> {
 
     /// Numbers of the connections announced so far that are wanted.
     pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
-        let told = self.by_number.iter().filter(|(_, known)| wanted(&known.channel));
-        told.map(|(number, _)| *number).collect()
+        let chosen = self.by_number.iter().filter(|(_, known)| wanted(&known.channel));
+        chosen.map(|(number, _)| *number).collect()
     }
 
     /// Takes in one record. The error says what is wrong with it.
@@ -102,7 +102,7 @@ impl<'v> Connections<'v> {
     }
 
     fn connection(&mut self, number: u32, mut channel: Channel) -> Result<(), String> {
-        if let Some(Known { channel: known, .. }) = self.by_number.get(&number) {
+        if let Some(ConnectionState { channel: known, .. }) = self.by_number.get(&number) {
             // Every connection is written once among the messages and once in the index.
             channel.number = known.number;
             channel.total = known.total;
@@ -113,15 +113,15 @@ impl<'v> Connections<'v> {
             channel.total = None;
         }
         self.bytes += size(&channel);
-        if self.told >= MAX_CONNECTIONS || self.bytes > MAX_BYTES {
+        if self.announced >= MAX_CONNECTIONS || self.bytes > MAX_BYTES {
             return Err(format!(
                 "more than {MAX_CONNECTIONS} connections, or {MAX_BYTES} bytes of them"
             ));
         }
-        channel.number = self.told;
-        self.told += 1;
+        channel.number = self.announced;
+        self.announced += 1;
         self.visit.channel(&channel);
-        self.by_number.insert(number, Known { channel, read: 0 });
+        self.by_number.insert(number, ConnectionState { channel, read: 0 });
         Ok(())
     }
 

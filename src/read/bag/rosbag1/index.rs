@@ -41,7 +41,7 @@ pub(super) struct Index {
 }
 
 /// What the top of the file leads to.
-pub(super) enum Found {
+pub(super) enum IndexState {
     Index(Index),
     /// The recording was never closed: there is no index.
     Open,
@@ -55,21 +55,21 @@ pub(super) enum Found {
 }
 
 /// Reads the bag header and the index it points to. The position of the tape is undefined afterwards.
-pub(super) fn find(tape: &mut Tape) -> Found {
-    let broken = |why, at| Found::Broken { why, at };
+pub(super) fn find(tape: &mut Tape) -> IndexState {
+    let broken = |why, at| IndexState::Broken { why, at };
     let top = match top(tape) {
         Ok(top) => top,
         Err(fault) => return broken(format!("the bag header is damaged ({})", words(fault)), None),
     };
     if !top.encryptor.is_empty() {
-        return Found::Encrypted(top.encryptor);
+        return IndexState::Encrypted(top.encryptor);
     }
     match top.index_pos {
-        0 => Found::Open,
+        0 => IndexState::Open,
         at if at > tape.total => broken(format!("it should begin at byte {at}, past the end of the file"), None),
         at if at < MAGIC_LEN => broken(format!("it should begin at byte {at}, inside the magic"), None),
         at => match load(tape, &top) {
-            Ok(index) => Found::Index(index),
+            Ok(index) => IndexState::Index(index),
             Err(why) => broken(why, Some(at)),
         },
     }

@@ -3,7 +3,7 @@
 //! Owns the bounded list of lost parts, and the messages about them.
 
 /// Bound on the losses that are reported one by one.
-const MAX_TOLD: usize = 20;
+const MAX_LISTED: usize = 20;
 
 /// A part of the file that was skipped.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(super) struct Loss {
 
 #[derive(Debug, Default)]
 pub(super) struct Losses {
-    told: Vec<Loss>,
+    listed: Vec<Loss>,
     /// Losses beyond those that are reported.
     more: u64,
 }
@@ -25,21 +25,21 @@ pub(super) struct Losses {
 impl Losses {
     pub(super) fn add(&mut self, loss: Loss) {
         // Where reading ended is always reported.
-        if self.told.len() < MAX_TOLD || loss.to.is_none() {
-            self.told.push(loss);
+        if self.listed.len() < MAX_LISTED || loss.to.is_none() {
+            self.listed.push(loss);
         } else {
             self.more += 1;
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.told.is_empty()
+        self.listed.is_empty()
     }
 
     /// How many of `total` bytes were read.
     pub(super) fn read_of(&self, total: u64) -> u64 {
         let mut read = total;
-        for Loss { from, to, .. } in &self.told {
+        for Loss { from, to, .. } in &self.listed {
             read = read.saturating_sub(to.unwrap_or(total).saturating_sub(*from));
         }
         read
@@ -49,7 +49,7 @@ impl Losses {
     pub(super) fn lines(&self, total: u64) -> Vec<String> {
         let percent = |at: u64| 100.0 * at as f64 / total.max(1) as f64;
         let mut lines = Vec::new();
-        for Loss { from, to, why } in &self.told {
+        for Loss { from, to, why } in &self.listed {
             match to {
                 None => lines.insert(0, format!("read up to byte {from} of {total}: {why}")),
                 Some(to) => lines.push(format!(

@@ -27,7 +27,7 @@ use super::inflate::Inflater;
 use super::{Extent, Progress, Task};
 
 use connections::Connections;
-use index::{Found, Index};
+use index::{Index, IndexState};
 use sink::Sink;
 use tape::Tape;
 
@@ -51,7 +51,7 @@ struct Pass<'a, 'v> {
     lying_sizes: u64,
     progress: Progress<'a>,
     /// Position of the last call of the progress function.
-    told: u64,
+    last_progress: u64,
     /// Buffer for records outside chunks.
     record: Vec<u8>,
 }
@@ -78,17 +78,17 @@ pub(super) fn read(file: File, total: u64, first: &[u8], task: Task<'_>) -> Exte
         odd_index_data: 0,
         lying_sizes: 0,
         progress,
-        told: 0,
+        last_progress: 0,
         record: Vec::new(),
     };
     match index::find(&mut pass.tape) {
-        Found::Index(index) => pass.take(index),
-        Found::Open => pass.unindexed = Some("the recording was not closed and has no index".to_owned()),
-        Found::Broken { why, at } => {
+        IndexState::Index(index) => pass.take(index),
+        IndexState::Open => pass.unindexed = Some("the recording was not closed and has no index".to_owned()),
+        IndexState::Broken { why, at } => {
             pass.unindexed = Some(format!("the index cannot be used: {why}"));
             pass.data_end = at;
         }
-        Found::Encrypted(with) => {
+        IndexState::Encrypted(with) => {
             let message = format!("the bag is encrypted with `{with}`");
             let help = "decrypt it with the key it was recorded with: `rosbag decompress` or `rosbag filter`";
             let whole = Place::whole(source.id);

@@ -29,17 +29,17 @@ impl Pass<'_, '_> {
         } else {
             ReadStatus::Partial
         };
-        let mut tell = |status, message: String, help: Option<&str>| {
+        let mut report = |status, message: String, help: Option<&str>| {
             source.problem_with_help(status, whole.clone(), message, help.map(str::to_owned));
         };
         if let Some(fault) = failure {
-            tell(worst, words(fault), None);
+            report(worst, words(fault), None);
         }
         for line in self.sink.losses.lines(self.tape.total) {
-            tell(worst, line, Some(HELP));
+            report(worst, line, Some(HELP));
         }
         if let Some(why) = &self.unindexed {
-            tell(worst, format!("{why}; the bag was scanned from its start"), Some(HELP));
+            report(worst, format!("{why}; the bag was scanned from its start"), Some(HELP));
         }
         let (missing, surplus) = self
             .sink
@@ -48,7 +48,7 @@ impl Pass<'_, '_> {
             .map_or((0, 0), |index| self.sink.connections.against(index));
         let promised = self.sink.index.as_deref().map(Index::messages);
         if let Some(promised) = promised.filter(|_| missing + surplus > 0) {
-            tell(
+            report(
                 worst,
                 format!("{read} messages were read, but the file's index says {promised}"),
                 Some(HELP),
@@ -61,11 +61,11 @@ impl Pass<'_, '_> {
         if self.sink.connections.orphans > 0 {
             let orphans = self.sink.connections.orphans;
             let message = format!("{orphans} messages belong to connections that the file does not define");
-            tell(worst, message, None);
+            report(worst, message, None);
             lost = true;
         }
         let chunks = self.sink.index.as_ref().map_or(0, |index| index.chunks.len());
-        self.tell_oddities(chunks, source);
+        self.report_oddities(chunks, source);
         if read == 0 && source.detail.is_none() {
             source.detail = Some("no messages".to_owned());
         }
@@ -79,7 +79,7 @@ impl Pass<'_, '_> {
     }
 
     /// Reports inconsistencies that need not mean a loss; `chunks` of the index were looked for.
-    pub(super) fn tell_oddities(&self, chunks: usize, source: &mut Source) {
+    pub(super) fn report_oddities(&self, chunks: usize, source: &mut Source) {
         let whole = Place::whole(source.id);
         let unmet = chunks.saturating_sub(self.sink.met_chunks) as u64;
         let connections = &self.sink.connections;

@@ -2,9 +2,9 @@
 //!
 //! Owns the part of the index that the choice needs, and the reading of the chosen chunks. Must not choose.
 
-use crate::read::bag::chunks::{self, ChunkInfo, Marked};
+use crate::read::bag::chunks::{self, ChunkInfo, MarkedChannels};
 use crate::read::bag::inflate::Compression;
-use crate::read::bag::{Extent, Sampling, Wanted};
+use crate::read::bag::{Extent, Sampling, Selection};
 use crate::source::{Place, ReadStatus, Source};
 
 use super::Pass;
@@ -28,7 +28,7 @@ struct Probe {
 
 impl Pass<'_, '_> {
     /// The chunks that are read, where that is less than all of them. `None` as well where the index is wrong.
-    pub(super) fn choose(&mut self, sampling: &Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
+    pub(super) fn choose(&mut self, sampling: &Sampling, wanted: &Selection<'_>) -> Option<Vec<usize>> {
         let index = self.sink.index.clone()?;
         let Probe { growth, is_slow } = self.probed(&index)?;
         let mut sampling = *sampling;
@@ -38,7 +38,7 @@ impl Pass<'_, '_> {
         let infos: Vec<ChunkInfo> = (0..index.chunks.len())
             .filter_map(|number| info(&index, number, growth))
             .collect();
-        let marked = Marked::of(wanted, |is_wanted| self.sink.connections.wanted(is_wanted));
+        let marked = MarkedChannels::of(wanted, |is_wanted| self.sink.connections.wanted(is_wanted));
         let chosen = chunks::choose(&infos, &sampling, &marked);
         if chosen.len() == index.chunks.len() {
             return None;
@@ -112,7 +112,7 @@ impl Pass<'_, '_> {
         for line in failed.into_iter().chain(lines) {
             source.problem(status, Place::whole(source.id), line);
         }
-        self.tell_oddities(chosen.len(), source);
+        self.report_oddities(chosen.len(), source);
         Extent {
             truncated: lost,
             whole: false,

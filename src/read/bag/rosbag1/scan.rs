@@ -5,7 +5,7 @@
 use std::convert::Infallible;
 use std::io::{BufReader, Read as _};
 
-use crate::read::bag::inflate::{Compression, Packed};
+use crate::read::bag::inflate::{Compression, PackedChunk};
 
 use super::super::MAX_MESSAGE;
 use super::Pass;
@@ -44,8 +44,8 @@ impl Pass<'_, '_> {
                 self.flush();
                 return Ok(());
             }
-            if at >= self.told + PROGRESS_STEP {
-                self.told = at;
+            if at >= self.last_progress + PROGRESS_STEP {
+                self.last_progress = at;
                 (self.progress)(at, self.tape.total);
             }
             if let Err(damage) = self.step(at, end)
@@ -161,7 +161,7 @@ impl Pass<'_, '_> {
             self.lying_sizes += u64::from(size != chunk.len);
             size = chunk.len;
         }
-        let packed = Packed {
+        let packed = PackedChunk {
             at,
             compression: chunk.compression,
             size,

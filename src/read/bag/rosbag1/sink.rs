@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::read::bag::inflate::Unpacked;
+use crate::read::bag::inflate::UnpackedChunk;
 
 use super::connections::Connections;
 use super::index::Index;
@@ -54,7 +54,7 @@ impl<'v> Sink<'v> {
     }
 
     /// Takes in a chunk. Nothing is used of one that cannot be decompressed: no checksum covers the part before the fault.
-    pub(super) fn chunk(&mut self, chunk: &Unpacked) {
+    pub(super) fn chunk(&mut self, chunk: &UnpackedChunk) {
         let end = self.ends.pop_front();
         self.expect(chunk.at);
         if chunk.seam {

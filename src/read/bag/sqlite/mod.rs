@@ -58,7 +58,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     let extent = if let Some(sampling) = sampling {
         sample::read(&mut pass, &sampling, &wanted)
     } else {
-        pass.tell_channels();
+        pass.announce_channels();
         pass.whole();
         let all = pass.messages + pass.orphans + pass.too_large + pass.unfit + pass.cut_off + pass.doubted;
         Extent {

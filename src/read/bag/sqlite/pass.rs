@@ -27,7 +27,7 @@ pub(super) fn select(rest: &str) -> String {
 
 /// Whether a query continues after a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Next {
+pub(super) enum Flow {
     /// The next row is wanted.
     Go,
     /// No further row is wanted.
@@ -48,7 +48,7 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) messages: u64,
     /// Bytes of messages delivered.
     pub(super) bytes: u64,
-    told: u64,
+    last_progress: u64,
     pub(super) orphans: u64,
     pub(super) too_large: u64,
     pub(super) unfit: u64,
@@ -88,7 +88,7 @@ impl<'c, 'v> Pass<'c, 'v> {
             largest_row: i64::MIN,
             messages: 0,
             bytes: 0,
-            told: 0,
+            last_progress: 0,
             orphans: 0,
             too_large: 0,
             unfit: 0,
@@ -103,7 +103,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         }
     }
 
-    pub(super) fn tell_channels(&mut self) {
+    pub(super) fn announce_channels(&mut self) {
         for channel in self.tables.channels.values() {
             self.visit.channel(channel);
         }
@@ -218,14 +218,14 @@ impl<'c, 'v> Pass<'c, 'v> {
         &mut self,
         sql: &str,
         parameters: impl Params,
-        mut take: impl FnMut(&mut Self, &Row<'_>) -> Result<Next, String>,
+        mut take: impl FnMut(&mut Self, &Row<'_>) -> Result<Flow, String>,
     ) -> Result<(), String> {
         let words = |error: rusqlite::Error| error.to_string();
         let connection = self.connection;
         let mut statement = connection.prepare(sql).map_err(words)?;
         let mut rows = statement.query(parameters).map_err(words)?;
         while let Some(row) = rows.next().map_err(words)? {
-            if take(self, row)? == Next::Enough {
+            if take(self, row)? == Flow::Enough {
                 return Ok(());
             }
         }
@@ -233,7 +233,7 @@ impl<'c, 'v> Pass<'c, 'v> {
     }
 
     /// Delivers a row that must come after the last one. A damaged index may contain a cycle.
-    pub(super) fn in_order(&mut self, row: &Row<'_>) -> Result<Next, String> {
+    pub(super) fn in_order(&mut self, row: &Row<'_>) -> Result<Flow, String> {
         let key = (time(row).unwrap_or(i64::MIN), row_number(row)?);
         if time(row).is_some() && self.last.is_some_and(|last| key <= last) {
             return Err("its messages are out of order".to_owned());
@@ -242,7 +242,7 @@ impl<'c, 'v> Pass<'c, 'v> {
     }
 
     /// Delivers a row as [`select`] gives it.
-    pub(super) fn deliver(&mut self, row: &Row<'_>) -> Result<Next, String> {
+    pub(super) fn deliver(&mut self, row: &Row<'_>) -> Result<Flow, String> {
         let at = row_number(row)?;
         self.largest_row = self.largest_row.max(at);
         let size = match row.get_ref(3) {
@@ -251,35 +251,35 @@ impl<'c, 'v> Pass<'c, 'v> {
         };
         let Some(log_ns) = time(row) else {
             self.unfit += 1;
-            return Ok(Next::Go);
+            return Ok(Flow::Go);
         };
         self.last = Some((log_ns, at));
         if size > MAX_MESSAGE {
             self.too_large += 1;
-            return Ok(Next::Go);
+            return Ok(Flow::Go);
         }
         let data = match row.get_ref(4) {
             Ok(ValueRef::Blob(data) | ValueRef::Text(data)) => data,
             Ok(_) => {
                 self.unfit += 1;
-                return Ok(Next::Go);
+                return Ok(Flow::Go);
             }
             Err(error) => return Err(error.to_string()),
         };
         if self.last_page.as_ref().is_some_and(|page| page.is_cut_off(data)) {
             self.cut_off += 1;
-            return Ok(Next::Go);
+            return Ok(Flow::Go);
         }
         let topic = match row.get_ref(1) {
             Ok(ValueRef::Integer(topic)) if self.tables.channels.contains_key(&topic) => topic,
             _ => {
                 self.orphans += 1;
-                return Ok(Next::Go);
+                return Ok(Flow::Go);
             }
         };
         let Some(page) = self.damaged_page else {
             self.hand_on(topic, log_ns, data);
-            return Ok(Next::Go);
+            return Ok(Flow::Go);
         };
         self.held_bytes += data.len();
         self.held.push_back((topic, log_ns, data.to_vec()));
@@ -288,7 +288,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         {
             self.use_held();
         }
-        Ok(Next::Go)
+        Ok(Flow::Go)
     }
 
     /// Uses the held messages, if what follows them could be read.
@@ -317,8 +317,8 @@ impl<'c, 'v> Pass<'c, 'v> {
         self.messages += 1;
         self.bytes += data.len() as u64;
         self.visit.message(channel, &Message { log_ns, data });
-        if self.bytes >= self.told + PROGRESS_STEP {
-            self.told = self.bytes;
+        if self.bytes >= self.last_progress + PROGRESS_STEP {
+            self.last_progress = self.bytes;
             (self.progress)(self.bytes.min(self.total), self.total);
         }
     }
@@ -347,8 +347,8 @@ impl LastPage {
     /// Whether a message has zeros where the file ends: it begins in the last page, or the last page is one of its pages.
     fn is_cut_off(&self, data: &[u8]) -> bool {
         let end = data.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-        let (told, zeros) = data.split_at(end);
-        if !zeros.is_empty() && self.bytes.ends_with(told) {
+        let (message_end, zeros) = data.split_at(end);
+        if !zeros.is_empty() && self.bytes.ends_with(message_end) {
             return true;
         }
         let from = NEXT_PAGE.max(self.bytes.len().saturating_sub(MOST_KNOWN));

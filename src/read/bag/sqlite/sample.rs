@@ -9,9 +9,9 @@ use std::time::Duration;
 use rusqlite::Connection;
 use rusqlite::types::ValueRef;
 
-use super::super::{Extent, Sampling, Wanted};
+use super::super::{Extent, Sampling, Selection};
 use super::number;
-use super::pass::{Next, Pass, row_number, select, time};
+use super::pass::{Flow, Pass, row_number, select, time};
 
 /// Rows that are read for the topics they belong to.
 const MAX_LOOKED_AT: u64 = 2_000_000;
@@ -29,8 +29,8 @@ pub(super) fn span(connection: &Connection) -> Option<(i64, i64)> {
 }
 
 /// Reads a database in part, in order of time. The channels are announced with their totals as far as these are known.
-pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Wanted<'_>) -> Extent {
-    let mut look = Look::default();
+pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Selection<'_>) -> Extent {
+    let mut look = FirstRows::default();
     if let Err(why) = look.run(pass, sampling.bytes, wanted) {
         pass.stopped = Some(why);
     }
@@ -39,7 +39,7 @@ pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Wanted
             channel.total = Some(look.seen.get(topic).copied().unwrap_or(0));
         }
     }
-    pass.tell_channels();
+    pass.announce_channels();
     look.picks.sort_unstable();
     let span_ns = span(pass.connection);
     let mut picks = look.picks.iter().copied().peekable();
@@ -83,7 +83,7 @@ fn rows(connection: &Connection) -> Option<u64> {
 
 /// What is found by reading rows from the first on.
 #[derive(Default)]
-struct Look {
+struct FirstRows {
     /// Messages seen by topic.
     seen: BTreeMap<i64, u64>,
     /// Time and row of the messages that are read to cover their topic.
@@ -92,9 +92,9 @@ struct Look {
     saw_all: bool,
 }
 
-impl Look {
+impl FirstRows {
     /// Looks until every topic has what it needs, or the bounds are met. `bytes` bounds what is picked.
-    fn run(&mut self, pass: &mut Pass<'_, '_>, bytes: u64, wanted: &Wanted<'_>) -> Result<(), String> {
+    fn run(&mut self, pass: &mut Pass<'_, '_>, bytes: u64, wanted: &Selection<'_>) -> Result<(), String> {
         // What each topic still needs: `None` where it is wanted throughout and its total is not known.
         let mut needs: BTreeMap<i64, Option<u64>> = pass
             .tables
@@ -123,14 +123,14 @@ impl Look {
             looked_at += 1;
             if looked_at > MAX_LOOKED_AT || hungry == 0 {
                 enough = true;
-                return Ok(Next::Enough);
+                return Ok(Flow::Enough);
             }
             let (Ok(ValueRef::Integer(topic)), Some(time)) = (row.get_ref(1), time(row)) else {
-                return Ok(Next::Go);
+                return Ok(Flow::Go);
             };
             *self.seen.entry(topic).or_default() += 1;
             let Some(need) = needs.get_mut(&topic).filter(|need| **need != Some(0)) else {
-                return Ok(Next::Go);
+                return Ok(Flow::Go);
             };
             let size = match row.get_ref(3) {
                 Ok(ValueRef::Integer(size)) => u64::try_from(size).unwrap_or(0),
@@ -146,7 +146,7 @@ impl Look {
                 *left -= 1;
                 hungry -= usize::from(*left == 0);
             }
-            Ok(Next::Go)
+            Ok(Flow::Go)
         })?;
         self.saw_all = !enough;
         Ok(())
@@ -207,7 +207,7 @@ fn window(pass: &mut Pass<'_, '_>, (start, end): (i64, i64), share: u64, left_ou
         }
         if pass.bytes >= bound {
             *left_out = true;
-            return Ok(Next::Enough);
+            return Ok(Flow::Enough);
         }
         let row_number = row_number(row).ok();
         let follows = pass.last.is_none_or(|(_, row)| row.checked_add(1) == row_number);

@@ -51,7 +51,7 @@ fn xyzw(pose: &Isometry3<f64>) -> [f64; 4] {
     [q.x, q.y, q.z, q.w]
 }
 
-struct Said {
+struct Example {
     dialect: &'static str,
     text: String,
     /// `target<-source` that comes out. What carries the sensor is the target, or, behind `!`, the source.
@@ -61,7 +61,7 @@ struct Said {
 
 /// The extrinsic in each dialect, each in its own direction; `frames` names the sensor and what carries it.
 #[expect(clippy::too_many_lines, reason = "a table")]
-fn files() -> Vec<Said> {
+fn files() -> Vec<Example> {
     let (body_from_sensor, sensor_from_body) = (truth(), truth().inverse());
     let (roll, pitch, yaw) = body_from_sensor.rotation.euler_angles();
     let (inverse_roll, inverse_pitch, inverse_yaw) = sensor_from_body.rotation.euler_angles();
@@ -69,13 +69,13 @@ fn files() -> Vec<Said> {
     let it = sensor_from_body.translation.vector;
     let [qx, qy, qz, qw] = xyzw(&body_from_sensor);
     let seven = list([it.x, it.y, it.z].into_iter().chain(xyzw(&sensor_from_body)));
-    let yaml = |dialect, frames, text: String| Said {
+    let yaml = |dialect, frames, text: String| Example {
         dialect,
         text,
         frames,
         is_json: false,
     };
-    let json = |dialect, frames, text: String| Said {
+    let json = |dialect, frames, text: String| Example {
         dialect,
         text,
         frames,
@@ -326,7 +326,7 @@ fn files() -> Vec<Said> {
 
 #[test]
 fn one_extrinsic_in_every_dialect_is_one_extrinsic() {
-    for Said {
+    for Example {
         dialect,
         text,
         frames: expected,

@@ -20,10 +20,10 @@ pub(super) enum Value {
 }
 
 /// Names that are bound at the place of an expression.
-pub(super) type Bound = BTreeMap<String, Value>;
+pub(super) type Bindings = BTreeMap<String, Value>;
 
 impl<'t> Script<'t> {
-    pub(super) fn value(&self, node: Node<'t>, bound: &Bound, depth: usize) -> Value {
+    pub(super) fn value(&self, node: Node<'t>, bound: &Bindings, depth: usize) -> Value {
         self.known(node, bound, depth).unwrap_or_else(|| {
             Value::Text(Word {
                 text: text(node, self.source).to_owned(),
@@ -35,7 +35,7 @@ impl<'t> Script<'t> {
     }
 
     /// What an expression is; `None` where it is not known.
-    fn known(&self, node: Node<'t>, bound: &Bound, depth: usize) -> Option<Value> {
+    fn known(&self, node: Node<'t>, bound: &Bindings, depth: usize) -> Option<Value> {
         if depth > MAX_DEPTH {
             return None;
         }
@@ -86,7 +86,7 @@ impl<'t> Script<'t> {
     }
 
     /// Sums of lists and texts, and arithmetic of numbers.
-    fn product(&self, node: Node<'t>, bound: &Bound, depth: usize) -> Option<Value> {
+    fn product(&self, node: Node<'t>, bound: &Bindings, depth: usize) -> Option<Value> {
         let side = |name| Some(self.value(node.child_by_field_name(name)?, bound, depth + 1));
         let operator = text(node.child_by_field_name("operator")?, self.source);
         match (side("left")?, side("right")?) {
@@ -115,7 +115,7 @@ impl<'t> Script<'t> {
         }
     }
 
-    fn call(&self, node: Node<'t>, bound: &Bound, depth: usize) -> Option<Value> {
+    fn call(&self, node: Node<'t>, bound: &Bindings, depth: usize) -> Option<Value> {
         let first = || Some(self.value(self.argument(node, 0, "value")?, bound, depth + 1));
         let degrees = || match first()? {
             Value::Text(word) if !word.is_open => Some(Value::Text(Word {
@@ -172,7 +172,7 @@ impl<'t> Script<'t> {
     }
 
     /// A text, also of several pieces or with values put in.
-    fn string(&self, node: Node<'t>, bound: &Bound, depth: usize) -> Option<Value> {
+    fn string(&self, node: Node<'t>, bound: &Bindings, depth: usize) -> Option<Value> {
         let mut whole = Word {
             text: String::new(),
             span: span(node),

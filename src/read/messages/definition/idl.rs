@@ -6,7 +6,7 @@
 //! rosbag2_cpp `local_message_definition_source.cpp`.
 
 use super::tokens::{Token, Tokens};
-use super::{Alias, Bundle, Count, Number, Spelled, SpelledField, SpelledType, plain_name};
+use super::{Alias, Bundle, Count, FieldSpelling, Number, StructSpelling, TypeSpelling, plain_name};
 
 /// Bound on nested modules: every name is looked up in all of them. Message types are in two.
 const MAX_SCOPE: usize = 8;
@@ -36,7 +36,7 @@ struct Reader {
 }
 
 /// What ended a declaration.
-type Unread = String;
+type EndReason = String;
 
 impl Reader {
     fn section(&mut self, text: &str, first_line: usize) {
@@ -71,14 +71,14 @@ impl Reader {
         }
     }
 
-    fn structure(&mut self, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), Unread> {
+    fn structure(&mut self, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), EndReason> {
         let Some(Token::Word(name)) = tokens.next() else {
             return Err("a struct has no name".to_owned());
         };
         if tokens.peek() == Some(Token::Sign(';')) {
             return Ok(());
         }
-        let mut read = SpelledType::default();
+        let mut read = StructSpelling::default();
         if tokens.takes(':') {
             read.fault = Some(format!("line {}: structs with a base are not supported", tokens.line()));
             tokens.skip_declaration();
@@ -96,10 +96,10 @@ impl Reader {
         broken.map_or(Ok(()), Err)
     }
 
-    fn alias(&mut self, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), Unread> {
+    fn alias(&mut self, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), EndReason> {
         let mut fields = Vec::new();
         member(tokens, scope, &mut fields)?;
-        for SpelledField { name, spelled, count } in fields {
+        for FieldSpelling { name, spelled, count } in fields {
             let alias = Alias { spelled, count };
             self.bundle.aliases.entry(full_name(scope, &name)).or_insert(alias);
         }
@@ -107,14 +107,14 @@ impl Reader {
     }
 
     /// Enumerations are numbers of four bytes; the other kinds are skipped and remembered by name.
-    fn other(&mut self, kind: &str, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), Unread> {
+    fn other(&mut self, kind: &str, tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(), EndReason> {
         let Some(Token::Word(name)) = tokens.next() else {
             return Err(format!("`{kind}` has no name"));
         };
         tokens.skip_declaration();
         let spelled = match kind {
-            "enum" => Spelled::Number(Number::Unsigned(4)),
-            _ => Spelled::Unsupported(format!("`{name}` is a {kind}, which is not supported")),
+            "enum" => TypeSpelling::Number(Number::Unsigned(4)),
+            _ => TypeSpelling::Unsupported(format!("`{name}` is a {kind}, which is not supported")),
         };
         let count = Count::One;
         let alias = Alias { spelled, count };
@@ -131,11 +131,11 @@ fn full_name(scope: &[&str], name: &str) -> String {
 }
 
 /// Reads `type name, name[3];`.
-fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<SpelledField>) -> Result<(), Unread> {
+fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<FieldSpelling>) -> Result<(), EndReason> {
     let is_optional = tokens.takes('@');
     let (spelled, count) = type_of(tokens, scope)?;
     let spelled = if is_optional {
-        Spelled::Unsupported("optional fields are not supported".to_owned())
+        TypeSpelling::Unsupported("optional fields are not supported".to_owned())
     } else {
         spelled
     };
@@ -157,7 +157,7 @@ fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<SpelledField
             _ => (arrays_of_arrays(), Count::One),
         };
         let name = name.to_owned();
-        fields.push(SpelledField { name, spelled, count });
+        fields.push(FieldSpelling { name, spelled, count });
         if tokens.takes(';') {
             return Ok(());
         }
@@ -167,11 +167,11 @@ fn member(tokens: &mut Tokens<'_>, scope: &[&str], fields: &mut Vec<SpelledField
     }
 }
 
-pub(super) fn arrays_of_arrays() -> Spelled {
-    Spelled::Unsupported("arrays of sequences and sequences of arrays are not supported".to_owned())
+pub(super) fn arrays_of_arrays() -> TypeSpelling {
+    TypeSpelling::Unsupported("arrays of sequences and sequences of arrays are not supported".to_owned())
 }
 
-fn type_of(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(Spelled, Count), Unread> {
+fn type_of(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(TypeSpelling, Count), EndReason> {
     if tokens.peek() != Some(Token::Word("sequence")) {
         return Ok((single(tokens, scope)?, Count::One));
     }
@@ -190,7 +190,7 @@ fn type_of(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<(Spelled, Count), 
 }
 
 /// Skips the rest of `<...>`, after its opening sign.
-fn close(tokens: &mut Tokens<'_>) -> Result<(), Unread> {
+fn close(tokens: &mut Tokens<'_>) -> Result<(), EndReason> {
     let mut depth = 1_usize;
     while depth > 0 {
         match tokens.next() {
@@ -203,8 +203,8 @@ fn close(tokens: &mut Tokens<'_>) -> Result<(), Unread> {
     Ok(())
 }
 
-fn single(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<Spelled, Unread> {
-    let unsupported = |what: &str| Spelled::Unsupported(format!("`{what}` is not supported"));
+fn single(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<TypeSpelling, EndReason> {
+    let unsupported = |what: &str| TypeSpelling::Unsupported(format!("`{what}` is not supported"));
     let word = match tokens.next() {
         Some(Token::Word(word)) => word,
         Some(Token::Scope) => return scoped(tokens, None, &[]),
@@ -237,18 +237,18 @@ fn single(tokens: &mut Tokens<'_>, scope: &[&str]) -> Result<Spelled, Unread> {
                 close(tokens)?;
             }
             return Ok(match word {
-                "string" => Spelled::Text,
+                "string" => TypeSpelling::Text,
                 _ => unsupported(word),
             });
         }
         "wchar" | "any" | "fixed" => return Ok(unsupported(word)),
         name => return scoped(tokens, Some(name), scope),
     };
-    Ok(Spelled::Number(number))
+    Ok(TypeSpelling::Number(number))
 }
 
 /// A name with its scope: what it means is looked up from the innermost module outwards.
-fn scoped(tokens: &mut Tokens<'_>, first: Option<&str>, scope: &[&str]) -> Result<Spelled, Unread> {
+fn scoped(tokens: &mut Tokens<'_>, first: Option<&str>, scope: &[&str]) -> Result<TypeSpelling, EndReason> {
     let mut parts: Vec<&str> = first.into_iter().collect();
     while parts.is_empty() || tokens.peek() == Some(Token::Scope) {
         if !parts.is_empty() {
@@ -261,7 +261,7 @@ fn scoped(tokens: &mut Tokens<'_>, first: Option<&str>, scope: &[&str]) -> Resul
     }
     let name = parts.join("/");
     let outwards = (0..=scope.len()).rev().filter_map(|depth| scope.get(..depth));
-    Ok(Spelled::Named(
+    Ok(TypeSpelling::Named(
         outwards.map(|modules| full_name(modules, &name)).collect(),
     ))
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use super::{Bundle, MAX_DEFINITION, SpelledType, idl, msg, standard};
+use super::{Bundle, MAX_DEFINITION, StructSpelling, idl, msg, standard};
 
 /// Bound on the entries of the folders that are searched.
 const MAX_ENTRIES: usize = 200_000;
@@ -55,7 +55,7 @@ impl Definitions {
         };
         let mut read = match text(file) {
             Ok(text) => msg::one(&package, (1..).zip(text.lines())),
-            Err(what) => SpelledType {
+            Err(what) => StructSpelling {
                 fields: Vec::new(),
                 fault: Some(what),
             },

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Bundle, Count, Definitions, Number, Spelled, SpelledType, idl, plain_name};
+use super::{Bundle, Count, Definitions, Number, StructSpelling, TypeSpelling, idl, plain_name};
 
 /// A message type and the types of its fields; the first one is the message's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -144,7 +144,7 @@ struct Linker<'d> {
     definitions: &'d Definitions,
     /// The place of each type found so far.
     place: BTreeMap<String, usize>,
-    found: Vec<(String, &'d SpelledType)>,
+    found: Vec<(String, &'d StructSpelling)>,
 }
 
 impl<'d> Linker<'d> {
@@ -163,15 +163,15 @@ impl<'d> Linker<'d> {
         Some(place)
     }
 
-    fn kind(&mut self, spelled: &Spelled, count: Count) -> (Kind, Count) {
+    fn kind(&mut self, spelled: &TypeSpelling, count: Count) -> (Kind, Count) {
         let (mut spelled, mut count) = (spelled.clone(), count);
         for _ in 0..MAX_ALIASES {
             let names = match spelled {
-                Spelled::Number(number) => return (Kind::Number(number), count),
-                Spelled::Text => return (Kind::Text, count),
-                Spelled::Time => return (Kind::Time, count),
-                Spelled::Unsupported(what) => return (Kind::Unsupported(what), Count::One),
-                Spelled::Named(names) => names,
+                TypeSpelling::Number(number) => return (Kind::Number(number), count),
+                TypeSpelling::Text => return (Kind::Text, count),
+                TypeSpelling::Time => return (Kind::Time, count),
+                TypeSpelling::Unsupported(what) => return (Kind::Unsupported(what), Count::One),
+                TypeSpelling::Named(names) => names,
             };
             if let Some(place) = names.iter().find_map(|name| self.place_of(name)) {
                 return (Kind::Nested(place), count);

@@ -54,7 +54,7 @@ impl Number {
 
 /// A type as spelled in a definition, before its name is looked up.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Spelled {
+enum TypeSpelling {
     Number(Number),
     Text,
     /// `time` and `duration` of ROS 1.
@@ -67,16 +67,16 @@ enum Spelled {
 
 /// A field as spelled.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct SpelledField {
+struct FieldSpelling {
     name: String,
-    spelled: Spelled,
+    spelled: TypeSpelling,
     count: Count,
 }
 
 /// A type as spelled: its fields up to the first place that was not understood.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct SpelledType {
-    fields: Vec<SpelledField>,
+struct StructSpelling {
+    fields: Vec<FieldSpelling>,
     /// What was not understood, with its line.
     fault: Option<String>,
 }
@@ -84,20 +84,20 @@ struct SpelledType {
 /// Another name for a type, or for an array of it (`typedef` of IDL).
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Alias {
-    spelled: Spelled,
+    spelled: TypeSpelling,
     count: Count,
 }
 
 /// The types of one text, by name (`package/Type`).
 #[derive(Clone, Debug, Default)]
 pub struct Bundle {
-    types: BTreeMap<String, SpelledType>,
+    types: BTreeMap<String, StructSpelling>,
     aliases: BTreeMap<String, Alias>,
 }
 
 /// What a recording says about a type: its definition, or why there is none that can be used.
 #[derive(Clone, Debug)]
-pub enum Carried {
+pub enum TypeDefinition {
     /// Nothing.
     Nothing,
     /// The type and what it is made of.
@@ -106,7 +106,7 @@ pub enum Carried {
     Unread(String),
 }
 
-impl Carried {
+impl TypeDefinition {
     /// Reads the definition of the type `name` as stored in a recording.
     pub fn read(name: &str, schema: &[u8], encoding: &str) -> Self {
         if schema.iter().all(u8::is_ascii_whitespace) {

@@ -3,7 +3,7 @@
 //! Sources: `docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html`, `wiki.ros.org/msg`; the form of several texts
 //! in one: `mcap.dev/spec/registry` (ros1msg, ros2msg).
 
-use super::{Bundle, Count, Number, Spelled, SpelledField, SpelledType, plain_name};
+use super::{Bundle, Count, FieldSpelling, Number, StructSpelling, TypeSpelling, plain_name};
 
 /// Reads a text that begins with the fields of `root`, followed by the types it uses, each after a line of `=` and
 /// `MSG: package/Type`. Of two texts for one type the first one is used.
@@ -38,8 +38,8 @@ fn keep(bundle: &mut Bundle, name: Option<String>, section: &mut Vec<(usize, &st
 }
 
 /// Reads the fields of one type in `package` from numbered lines.
-pub(super) fn one<'t>(package: &str, lines: impl Iterator<Item = (usize, &'t str)>) -> SpelledType {
-    let mut read = SpelledType::default();
+pub(super) fn one<'t>(package: &str, lines: impl Iterator<Item = (usize, &'t str)>) -> StructSpelling {
+    let mut read = StructSpelling::default();
     for (number, line) in lines {
         match field(package, line) {
             Ok(None) => {}
@@ -54,7 +54,7 @@ pub(super) fn one<'t>(package: &str, lines: impl Iterator<Item = (usize, &'t str
 }
 
 /// The field a line declares; `None` for empty lines, comments and constants (`type NAME = value`).
-fn field(package: &str, line: &str) -> Result<Option<SpelledField>, String> {
+fn field(package: &str, line: &str) -> Result<Option<FieldSpelling>, String> {
     // Texts in constants and defaults may hold a `#`: the part cut off then is not part of the field either.
     let line = line.split('#').next().unwrap_or_default().trim();
     if line.is_empty() {
@@ -77,14 +77,14 @@ fn field(package: &str, line: &str) -> Result<Option<SpelledField>, String> {
         return Err(not_a_field());
     }
     let (spelled, count) = type_of(package, type_text).ok_or_else(not_a_field)?;
-    Ok(Some(SpelledField {
+    Ok(Some(FieldSpelling {
         name: name.to_owned(),
         spelled,
         count,
     }))
 }
 
-fn type_of(package: &str, text: &str) -> Option<(Spelled, Count)> {
+fn type_of(package: &str, text: &str) -> Option<(TypeSpelling, Count)> {
     let (base, count) = match text.strip_suffix(']') {
         None => (text, Count::One),
         Some(inner) => {
@@ -105,21 +105,21 @@ fn type_of(package: &str, text: &str) -> Option<(Spelled, Count)> {
         None => (base, None),
     };
     let spelled = match base {
-        "string" => Spelled::Text,
-        "wstring" => Spelled::Unsupported("the size of a `wstring` differs between writers".to_owned()),
+        "string" => TypeSpelling::Text,
+        "wstring" => TypeSpelling::Unsupported("the size of a `wstring` differs between writers".to_owned()),
         _ if bound.is_some() => return None,
-        "bool" | "byte" | "char" | "uint8" => Spelled::Number(Number::Unsigned(1)),
-        "int8" => Spelled::Number(Number::Signed(1)),
-        "uint16" => Spelled::Number(Number::Unsigned(2)),
-        "int16" => Spelled::Number(Number::Signed(2)),
-        "uint32" => Spelled::Number(Number::Unsigned(4)),
-        "int32" => Spelled::Number(Number::Signed(4)),
-        "uint64" => Spelled::Number(Number::Unsigned(8)),
-        "int64" => Spelled::Number(Number::Signed(8)),
-        "float32" => Spelled::Number(Number::Float(4)),
-        "float64" => Spelled::Number(Number::Float(8)),
-        "time" | "duration" => Spelled::Time,
-        _ => Spelled::Named(named(package, base)?),
+        "bool" | "byte" | "char" | "uint8" => TypeSpelling::Number(Number::Unsigned(1)),
+        "int8" => TypeSpelling::Number(Number::Signed(1)),
+        "uint16" => TypeSpelling::Number(Number::Unsigned(2)),
+        "int16" => TypeSpelling::Number(Number::Signed(2)),
+        "uint32" => TypeSpelling::Number(Number::Unsigned(4)),
+        "int32" => TypeSpelling::Number(Number::Signed(4)),
+        "uint64" => TypeSpelling::Number(Number::Unsigned(8)),
+        "int64" => TypeSpelling::Number(Number::Signed(8)),
+        "float32" => TypeSpelling::Number(Number::Float(4)),
+        "float64" => TypeSpelling::Number(Number::Float(8)),
+        "time" | "duration" => TypeSpelling::Time,
+        _ => TypeSpelling::Named(named(package, base)?),
     };
     Some((spelled, count))
 }
@@ -157,15 +157,15 @@ pub(super) fn shortened(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn fields(text: &str) -> Vec<(String, Spelled, Count)> {
+    fn fields(text: &str) -> Vec<(String, TypeSpelling, Count)> {
         let read = one("acme", (1..).zip(text.lines()));
         assert_eq!(read.fault, None);
-        let parts = |field: SpelledField| (field.name, field.spelled, field.count);
+        let parts = |field: FieldSpelling| (field.name, field.spelled, field.count);
         read.fields.into_iter().map(parts).collect()
     }
 
-    fn named(names: &[&str]) -> Spelled {
-        Spelled::Named(names.iter().map(|name| (*name).to_owned()).collect())
+    fn named(names: &[&str]) -> TypeSpelling {
+        TypeSpelling::Named(names.iter().map(|name| (*name).to_owned()).collect())
     }
 
     #[test]
@@ -174,12 +174,12 @@ mod tests {
             float64 x 1.5\nstring<=10 name \"a=b\"\nint16[] many\nint16[<=7] few\nuint32[3] three [1, 2, 3]\n\
             string<=5[<=2] words\n  std_msgs/Header   header # here\nOther o\nHeader h\r\nother_msgs/msg/Thing[4] t\n";
         let expected = [
-            ("x", Spelled::Number(Number::Float(8)), Count::One),
-            ("name", Spelled::Text, Count::One),
-            ("many", Spelled::Number(Number::Signed(2)), Count::Sequence),
-            ("few", Spelled::Number(Number::Signed(2)), Count::Sequence),
-            ("three", Spelled::Number(Number::Unsigned(4)), Count::Fixed(3)),
-            ("words", Spelled::Text, Count::Sequence),
+            ("x", TypeSpelling::Number(Number::Float(8)), Count::One),
+            ("name", TypeSpelling::Text, Count::One),
+            ("many", TypeSpelling::Number(Number::Signed(2)), Count::Sequence),
+            ("few", TypeSpelling::Number(Number::Signed(2)), Count::Sequence),
+            ("three", TypeSpelling::Number(Number::Unsigned(4)), Count::Fixed(3)),
+            ("words", TypeSpelling::Text, Count::Sequence),
             ("header", named(&["std_msgs/Header"]), Count::One),
             ("o", named(&["acme/Other"]), Count::One),
             ("h", named(&["acme/Header", "std_msgs/Header"]), Count::One),

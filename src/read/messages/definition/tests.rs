@@ -6,8 +6,8 @@ use super::*;
 use crate::read::messages::Wire;
 
 fn link(name: &str, schema: &str, encoding: &str) -> Schema {
-    match Carried::read(name, schema.as_bytes(), encoding) {
-        Carried::Types(types) => Schema::link(name, Some(&types), &Definitions::builtin()).unwrap(),
+    match TypeDefinition::read(name, schema.as_bytes(), encoding) {
+        TypeDefinition::Types(types) => Schema::link(name, Some(&types), &Definitions::builtin()).unwrap(),
         other => panic!("{other:?}"),
     }
 }
@@ -110,8 +110,8 @@ fn what_idl_can_say_and_messages_cannot_hold_is_said() {
 
 #[test]
 fn a_definition_without_the_type_itself_says_why() {
-    let why = |schema: &[u8], encoding: &str| match Carried::read("acme/msg/A", schema, encoding) {
-        Carried::Unread(why) => why,
+    let why = |schema: &[u8], encoding: &str| match TypeDefinition::read("acme/msg/A", schema, encoding) {
+        TypeDefinition::Unread(why) => why,
         other => panic!("{other:?}"),
     };
     assert_eq!(
@@ -127,7 +127,10 @@ fn a_definition_without_the_type_itself_says_why() {
     assert_eq!(why(&[0xff], "ros2msg"), "its definition is not UTF-8");
     assert!(why(&vec![b'x'; MAX_DEFINITION + 1], "ros2msg").contains("too long"));
     assert_eq!(why(b"x", ""), "definitions in an unnamed encoding are not read");
-    assert!(matches!(Carried::read("a/A", b" \n", "ros2msg"), Carried::Nothing));
+    assert!(matches!(
+        TypeDefinition::read("a/A", b" \n", "ros2msg"),
+        TypeDefinition::Nothing
+    ));
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 use prost::Message as _;
 
-use super::wanted::Wanted;
+use super::wanted::FieldSelection;
 use crate::read::messages::format::Format;
 
 /// Bound on a descriptor, bytes; the largest of Foxglove's has some ten thousand.
@@ -23,12 +23,12 @@ pub(super) struct Field {
     pub(super) number: u32,
     pub(super) name: &'static str,
     pub(super) is_repeated: bool,
-    pub(super) holds: Holds,
+    pub(super) holds: FieldType,
 }
 
 /// The type of a field.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Holds {
+pub(super) enum FieldType {
     Double,
     Float,
     /// `int32`, `int64`, `uint32`, `uint64`.
@@ -62,13 +62,13 @@ struct Type {
     #[prost(string, tag = "1")]
     name: String,
     #[prost(message, repeated, tag = "2")]
-    fields: Vec<Declared>,
+    fields: Vec<FieldProto>,
     #[prost(message, repeated, tag = "3")]
     nested: Vec<Type>,
 }
 
 #[derive(Clone, PartialEq, prost::Message)]
-struct Declared {
+struct FieldProto {
     #[prost(string, tag = "1")]
     name: String,
     #[prost(int32, tag = "3")]
@@ -85,7 +85,7 @@ struct Declared {
 const REPEATED: i32 = 3;
 
 /// The layout of a channel's type, or why its descriptor does not contain one.
-pub(super) fn layout(format: &Format<'_>, wanted: &Wanted) -> Result<Layout, String> {
+pub(super) fn layout(format: &Format<'_>, wanted: &FieldSelection) -> Result<Layout, String> {
     let (name, bytes) = (format.message_type, format.schema);
     if bytes.is_empty() {
         return Err(format!("the recording holds no descriptor of `{name}`"));
@@ -106,20 +106,20 @@ pub(super) fn layout(format: &Format<'_>, wanted: &Wanted) -> Result<Layout, Str
 }
 
 /// No deeper than `wanted`, even if types refer to each other, and each wanted field once.
-fn of(set: &Set, declared: &Type, wanted: &Wanted) -> Layout {
-    let field = |(name, inside): &(&'static str, &'static Wanted)| {
+fn of(set: &Set, declared: &Type, wanted: &FieldSelection) -> Layout {
+    let field = |(name, inside): &(&'static str, &'static FieldSelection)| {
         let field = declared.fields.iter().find(|field| field.name == *name)?;
         let holds = match field.kind {
-            1 => Holds::Double,
-            2 => Holds::Float,
-            3 | 4 | 5 | 13 => Holds::Varint,
-            6 => Holds::Fixed64,
-            7 => Holds::Fixed32,
-            9 => Holds::Text,
-            11 if !inside.is_plain() => Holds::Message(of(set, find(set, &field.type_name)?, inside)),
-            15 => Holds::Sfixed32,
-            16 => Holds::Sfixed64,
-            17 | 18 => Holds::Zigzag,
+            1 => FieldType::Double,
+            2 => FieldType::Float,
+            3 | 4 | 5 | 13 => FieldType::Varint,
+            6 => FieldType::Fixed64,
+            7 => FieldType::Fixed32,
+            9 => FieldType::Text,
+            11 if !inside.is_plain() => FieldType::Message(of(set, find(set, &field.type_name)?, inside)),
+            15 => FieldType::Sfixed32,
+            16 => FieldType::Sfixed64,
+            17 | 18 => FieldType::Zigzag,
             _ => return None,
         };
         Some(Field {

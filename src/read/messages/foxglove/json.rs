@@ -6,11 +6,11 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use super::value::{Object, Value};
-use super::wanted::Wanted;
+use super::wanted::FieldSelection;
 use crate::read::messages::DecodeError;
 
 /// The wanted values of a message. Of repeated keys the last one counts.
-pub(super) fn read<'m>(wanted: &'static Wanted, message: &'m [u8]) -> Result<Value<'m>, DecodeError> {
+pub(super) fn read<'m>(wanted: &'static FieldSelection, message: &'m [u8]) -> Result<Value<'m>, DecodeError> {
     let mut reader = serde_json::Deserializer::from_slice(message);
     let top = Place {
         name: "",
@@ -26,7 +26,7 @@ pub(super) fn read<'m>(wanted: &'static Wanted, message: &'m [u8]) -> Result<Val
 #[derive(Clone, Copy)]
 struct Place {
     name: &'static str,
-    wanted: &'static Wanted,
+    wanted: &'static FieldSelection,
     in_list: bool,
 }
 
@@ -108,10 +108,10 @@ impl<'m> Visitor<'m> for Place {
 }
 
 /// A key, which is never kept.
-struct Key(&'static Wanted);
+struct Key(&'static FieldSelection);
 
 impl<'m> DeserializeSeed<'m> for Key {
-    type Value = Option<(&'static str, &'static Wanted)>;
+    type Value = Option<(&'static str, &'static FieldSelection)>;
 
     fn deserialize<D: Deserializer<'m>>(self, reader: D) -> Result<Self::Value, D::Error> {
         reader.deserialize_str(self)
@@ -119,7 +119,7 @@ impl<'m> DeserializeSeed<'m> for Key {
 }
 
 impl Visitor<'_> for Key {
-    type Value = Option<(&'static str, &'static Wanted)>;
+    type Value = Option<(&'static str, &'static FieldSelection)>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a key")

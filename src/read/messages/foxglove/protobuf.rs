@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::descriptor::{Field, Holds, Layout};
+use super::descriptor::{Field, FieldType, Layout};
 use super::value::{Object, Value};
-use super::wire::{Raw, Wire};
+use super::wire::{RawField, Wire};
 use crate::read::messages::DecodeError;
 
 /// The wanted values of a message. A field that is missing has its default, as the format requires: numbers are zero, texts
@@ -27,7 +27,7 @@ fn merge<'m>(layout: &Layout, mut wire: Wire<'m>, object: &mut Object<'m>) -> Re
         match (field.is_repeated, &field.holds, raw) {
             (true, _, _) => append(field, raw, object)?,
             // A message in several pieces is the sum of them.
-            (false, Holds::Message(inner), Raw::Bytes(bytes)) => {
+            (false, FieldType::Message(inner), RawField::Bytes(bytes)) => {
                 if object.get(field.name).is_none() {
                     object.set(field.name, Value::Object(Object::default()));
                 }
@@ -46,7 +46,7 @@ fn merge<'m>(layout: &Layout, mut wire: Wire<'m>, object: &mut Object<'m>) -> Re
 }
 
 /// Adds to a list; numbers may come packed or one by one.
-fn append<'m>(field: &Field, raw: Raw<'m>, object: &mut Object<'m>) -> Result<(), DecodeError> {
+fn append<'m>(field: &Field, raw: RawField<'m>, object: &mut Object<'m>) -> Result<(), DecodeError> {
     if object.get(field.name).is_none() {
         object.set(field.name, Value::List(Vec::new()));
     }
@@ -54,23 +54,22 @@ fn append<'m>(field: &Field, raw: Raw<'m>, object: &mut Object<'m>) -> Result<()
         return Ok(());
     };
     match (&field.holds, raw) {
-        (Holds::Message(inner), Raw::Bytes(bytes)) => {
+        (FieldType::Message(inner), RawField::Bytes(bytes)) => {
             let mut nested = Object::default();
             merge(inner, bytes, &mut nested)?;
             Value::Object(nested).push_into(list, field.name)
         }
-        (Holds::Text | Holds::Message(_), _) | (_, Raw::Varint(_) | Raw::Fixed32(_) | Raw::Fixed64(_)) => {
-            match single(field, raw)? {
-                Some(value) => value.push_into(list, field.name),
-                None => Ok(()),
-            }
-        }
-        (_, Raw::Bytes(mut packed)) => {
+        (FieldType::Text | FieldType::Message(_), _)
+        | (_, RawField::Varint(_) | RawField::Fixed32(_) | RawField::Fixed64(_)) => match single(field, raw)? {
+            Some(value) => value.push_into(list, field.name),
+            None => Ok(()),
+        },
+        (_, RawField::Bytes(mut packed)) => {
             while !packed.is_empty() {
                 let raw = match field.holds {
-                    Holds::Double | Holds::Fixed64 | Holds::Sfixed64 => Raw::Fixed64(packed.fixed()?),
-                    Holds::Float | Holds::Fixed32 | Holds::Sfixed32 => Raw::Fixed32(packed.fixed()?),
-                    _ => Raw::Varint(packed.varint()?),
+                    FieldType::Double | FieldType::Fixed64 | FieldType::Sfixed64 => RawField::Fixed64(packed.fixed()?),
+                    FieldType::Float | FieldType::Fixed32 | FieldType::Sfixed32 => RawField::Fixed32(packed.fixed()?),
+                    _ => RawField::Varint(packed.varint()?),
                 };
                 if let Some(value) = single(field, raw)? {
                     value.push_into(list, field.name)?;
@@ -78,21 +77,25 @@ fn append<'m>(field: &Field, raw: Raw<'m>, object: &mut Object<'m>) -> Result<()
             }
             Ok(())
         }
-        (_, Raw::Group) => Ok(()),
+        (_, RawField::Group) => Ok(()),
     }
 }
 
 /// A number or a text; `None` where the bytes are of another wire type, which makes them an unknown field.
-fn single<'m>(field: &Field, raw: Raw<'m>) -> Result<Option<Value<'m>>, DecodeError> {
+fn single<'m>(field: &Field, raw: RawField<'m>) -> Result<Option<Value<'m>>, DecodeError> {
     Ok(Some(match (&field.holds, raw) {
-        (Holds::Double, Raw::Fixed64(bytes)) => Value::Number(f64::from_le_bytes(bytes)),
-        (Holds::Float, Raw::Fixed32(bytes)) => Value::Number(f32::from_le_bytes(bytes).into()),
-        (Holds::Varint, Raw::Varint(bits)) => Value::Integer(bits.cast_signed()),
-        (Holds::Zigzag, Raw::Varint(bits)) => Value::Integer((bits >> 1).cast_signed() ^ -(bits & 1).cast_signed()),
-        (Holds::Fixed64 | Holds::Sfixed64, Raw::Fixed64(bytes)) => Value::Integer(i64::from_le_bytes(bytes)),
-        (Holds::Fixed32, Raw::Fixed32(bytes)) => Value::Integer(u32::from_le_bytes(bytes).into()),
-        (Holds::Sfixed32, Raw::Fixed32(bytes)) => Value::Integer(i32::from_le_bytes(bytes).into()),
-        (Holds::Text, Raw::Bytes(wire)) => {
+        (FieldType::Double, RawField::Fixed64(bytes)) => Value::Number(f64::from_le_bytes(bytes)),
+        (FieldType::Float, RawField::Fixed32(bytes)) => Value::Number(f32::from_le_bytes(bytes).into()),
+        (FieldType::Varint, RawField::Varint(bits)) => Value::Integer(bits.cast_signed()),
+        (FieldType::Zigzag, RawField::Varint(bits)) => {
+            Value::Integer((bits >> 1).cast_signed() ^ -(bits & 1).cast_signed())
+        }
+        (FieldType::Fixed64 | FieldType::Sfixed64, RawField::Fixed64(bytes)) => {
+            Value::Integer(i64::from_le_bytes(bytes))
+        }
+        (FieldType::Fixed32, RawField::Fixed32(bytes)) => Value::Integer(u32::from_le_bytes(bytes).into()),
+        (FieldType::Sfixed32, RawField::Fixed32(bytes)) => Value::Integer(i32::from_le_bytes(bytes).into()),
+        (FieldType::Text, RawField::Bytes(wire)) => {
             let text = std::str::from_utf8(wire.bytes()).map_err(|_| {
                 let (name, at) = (field.name, wire.position());
                 DecodeError(format!("`{name}` at byte {at} is not UTF-8"))
@@ -110,8 +113,8 @@ fn complete(layout: &Layout, object: &mut Object<'_>) {
             object.set(field.name, default_of(field));
         }
         match (&field.holds, object.get_mut(field.name)) {
-            (Holds::Message(inner), Some(Value::Object(nested))) => complete(inner, nested),
-            (Holds::Message(inner), Some(Value::List(list))) => {
+            (FieldType::Message(inner), Some(Value::Object(nested))) => complete(inner, nested),
+            (FieldType::Message(inner), Some(Value::List(list))) => {
                 for element in list {
                     if let Value::Object(nested) = element {
                         complete(inner, nested);
@@ -126,9 +129,9 @@ fn complete(layout: &Layout, object: &mut Object<'_>) {
 fn default_of(field: &Field) -> Value<'static> {
     match field.holds {
         _ if field.is_repeated => Value::List(Vec::new()),
-        Holds::Message(_) => Value::Object(Object::default()),
-        Holds::Text => Value::Text(Cow::Borrowed("")),
-        Holds::Double | Holds::Float => Value::Number(0.0),
+        FieldType::Message(_) => Value::Object(Object::default()),
+        FieldType::Text => Value::Text(Cow::Borrowed("")),
+        FieldType::Double | FieldType::Float => Value::Number(0.0),
         _ => Value::Integer(0),
     }
 }

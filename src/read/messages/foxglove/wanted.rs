@@ -5,11 +5,11 @@
 
 /// The names wanted in a message, each with what is wanted inside it. Finite, which bounds how deep a message is read.
 #[derive(Debug)]
-pub(super) struct Wanted(pub(super) &'static [(&'static str, &'static Wanted)]);
+pub(super) struct FieldSelection(pub(super) &'static [(&'static str, &'static FieldSelection)]);
 
-impl Wanted {
+impl FieldSelection {
     /// What is wanted of a field, with its name in this program.
-    pub(super) fn field(&self, name: &str) -> Option<(&'static str, &'static Wanted)> {
+    pub(super) fn field(&self, name: &str) -> Option<(&'static str, &'static FieldSelection)> {
         self.0.iter().find(|(known, _)| *known == name).copied()
     }
 
@@ -19,9 +19,9 @@ impl Wanted {
     }
 }
 
-static PLAIN: Wanted = Wanted(&[]);
+static PLAIN: FieldSelection = FieldSelection(&[]);
 /// Protocol Buffers, Foxglove's JSON, ROS 1, ROS 2.
-static TIME: Wanted = Wanted(&[
+static TIME: FieldSelection = FieldSelection(&[
     ("seconds", &PLAIN),
     ("nanos", &PLAIN),
     ("sec", &PLAIN),
@@ -30,14 +30,14 @@ static TIME: Wanted = Wanted(&[
     ("nsecs", &PLAIN),
     ("nanosec", &PLAIN),
 ]);
-static ROS_HEADER: Wanted = Wanted(&[("stamp", &TIME), ("timestamp", &TIME), ("frame_id", &PLAIN)]);
-static VECTOR: Wanted = Wanted(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN)]);
-static QUATERNION: Wanted = Wanted(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN), ("w", &PLAIN)]);
-static POSE: Wanted = Wanted(&[("position", &VECTOR), ("orientation", &QUATERNION)]);
-static ROS_TRANSFORM: Wanted = Wanted(&[("translation", &VECTOR), ("rotation", &QUATERNION)]);
+static ROS_HEADER: FieldSelection = FieldSelection(&[("stamp", &TIME), ("timestamp", &TIME), ("frame_id", &PLAIN)]);
+static VECTOR: FieldSelection = FieldSelection(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN)]);
+static QUATERNION: FieldSelection = FieldSelection(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN), ("w", &PLAIN)]);
+static POSE: FieldSelection = FieldSelection(&[("position", &VECTOR), ("orientation", &QUATERNION)]);
+static ROS_TRANSFORM: FieldSelection = FieldSelection(&[("translation", &VECTOR), ("rotation", &QUATERNION)]);
 
-static HEADER: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("header", &ROS_HEADER)]);
-static TRANSFORM: Wanted = Wanted(&[
+static HEADER: FieldSelection = FieldSelection(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("header", &ROS_HEADER)]);
+static TRANSFORM: FieldSelection = FieldSelection(&[
     ("timestamp", &TIME),
     ("parent_frame_id", &PLAIN),
     ("child_frame_id", &PLAIN),
@@ -47,8 +47,8 @@ static TRANSFORM: Wanted = Wanted(&[
     ("header", &ROS_HEADER),
     ("transform", &ROS_TRANSFORM),
 ]);
-static TRANSFORMS: Wanted = Wanted(&[("transforms", &TRANSFORM)]);
-static FIX: Wanted = Wanted(&[
+static TRANSFORMS: FieldSelection = FieldSelection(&[("transforms", &TRANSFORM)]);
+static FIX: FieldSelection = FieldSelection(&[
     ("timestamp", &TIME),
     ("frame_id", &PLAIN),
     ("latitude", &PLAIN),
@@ -56,9 +56,9 @@ static FIX: Wanted = Wanted(&[
     ("altitude", &PLAIN),
     ("position_covariance", &PLAIN),
 ]);
-static FIXES: Wanted = Wanted(&[("fixes", &FIX)]);
-static POSE_IN_FRAME: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("pose", &POSE)]);
-static ODOMETRY: Wanted = Wanted(&[
+static FIXES: FieldSelection = FieldSelection(&[("fixes", &FIX)]);
+static POSE_IN_FRAME: FieldSelection = FieldSelection(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("pose", &POSE)]);
+static ODOMETRY: FieldSelection = FieldSelection(&[
     ("timestamp", &TIME),
     ("frame_id", &PLAIN),
     ("body_frame_id", &PLAIN),
@@ -68,7 +68,7 @@ static ODOMETRY: Wanted = Wanted(&[
     ("pose_covariance", &PLAIN),
     ("velocity_covariance", &PLAIN),
 ]);
-static LASER_SCAN: Wanted = Wanted(&[
+static LASER_SCAN: FieldSelection = FieldSelection(&[
     ("timestamp", &TIME),
     ("frame_id", &PLAIN),
     ("pose", &POSE),
@@ -76,8 +76,8 @@ static LASER_SCAN: Wanted = Wanted(&[
     ("end_angle", &PLAIN),
     (RANGES, &PLAIN),
 ]);
-static ENTITY: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN)]);
-static SCENE: Wanted = Wanted(&[("entities", &ENTITY)]);
+static ENTITY: FieldSelection = FieldSelection(&[("timestamp", &TIME), ("frame_id", &PLAIN)]);
+static SCENE: FieldSelection = FieldSelection(&[("entities", &ENTITY)]);
 
 /// The only list of numbers of any length.
 pub(super) const RANGES: &str = "ranges";
@@ -137,7 +137,7 @@ impl Kind {
     }
 
     /// The fields that are wanted of it.
-    pub(super) fn wanted(self) -> &'static Wanted {
+    pub(super) fn wanted(self) -> &'static FieldSelection {
         match self {
             Self::Transform => &TRANSFORM,
             Self::Transforms => &TRANSFORMS,

@@ -7,7 +7,7 @@ use crate::read::messages::DecodeError;
 
 /// One field as encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Raw<'m> {
+pub(super) enum RawField<'m> {
     Varint(u64),
     Fixed64([u8; 8]),
     Fixed32([u8; 4]),
@@ -48,7 +48,7 @@ impl<'m> Wire<'m> {
     }
 
     /// The next field with its number; `None` at the end.
-    pub(super) fn field(&mut self) -> Result<Option<(u32, Raw<'m>)>, DecodeError> {
+    pub(super) fn field(&mut self) -> Result<Option<(u32, RawField<'m>)>, DecodeError> {
         if self.is_empty() {
             return Ok(None);
         }
@@ -57,7 +57,7 @@ impl<'m> Wire<'m> {
         let raw = match kind {
             3 => {
                 self.skip_group(start)?;
-                Raw::Group
+                RawField::Group
             }
             4 => return Err(DecodeError(format!("a group ends at byte {start} that never began"))),
             _ => self.raw(start, kind)?,
@@ -100,12 +100,12 @@ impl<'m> Wire<'m> {
         }
     }
 
-    fn raw(&mut self, start: usize, kind: u64) -> Result<Raw<'m>, DecodeError> {
+    fn raw(&mut self, start: usize, kind: u64) -> Result<RawField<'m>, DecodeError> {
         Ok(match kind {
-            0 => Raw::Varint(self.varint()?),
-            1 => Raw::Fixed64(self.fixed()?),
-            2 => Raw::Bytes(self.stretch()?),
-            5 => Raw::Fixed32(self.fixed()?),
+            0 => RawField::Varint(self.varint()?),
+            1 => RawField::Fixed64(self.fixed()?),
+            2 => RawField::Bytes(self.stretch()?),
+            5 => RawField::Fixed32(self.fixed()?),
             _ => return Err(DecodeError(format!("the wire type {kind} at byte {start} is unknown"))),
         })
     }

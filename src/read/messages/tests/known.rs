@@ -1,6 +1,6 @@
 //! The standard types, on both wires.
 
-use super::{FORMS, Form, Known, Piece, STAMP_NS, decoder, floats, header, places, row, schema, sensing, with};
+use super::{FORMS, Form, KnownMessage, Piece, STAMP_NS, decoder, floats, header, places, row, schema, sensing, with};
 use crate::read::messages::content::{Body, Content, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::definition::Schema;
 use crate::read::messages::route::Route;
@@ -24,7 +24,7 @@ fn read_transform(parent: &'static str, child: &'static str) -> Transform<'stati
 }
 
 /// Every type.
-pub(super) fn all() -> Vec<Known> {
+pub(super) fn all() -> Vec<KnownMessage> {
     let mut all = transforms_and_texts();
     all.extend(measurements());
     all.extend(places::all());
@@ -32,7 +32,7 @@ pub(super) fn all() -> Vec<Known> {
     all
 }
 
-fn transforms_and_texts() -> Vec<Known> {
+fn transforms_and_texts() -> Vec<KnownMessage> {
     let mut tf = vec![Piece::Len(2)];
     tf.extend(transform("map", "odom"));
     tf.extend(transform("odom", "base_link"));
@@ -62,7 +62,7 @@ fn transforms_and_texts() -> Vec<Known> {
     ]
 }
 
-fn measurements() -> Vec<Known> {
+fn measurements() -> Vec<KnownMessage> {
     let mut odometry = vec![header("map"), Piece::Text("base".to_owned())];
     odometry.extend(floats(0, 7 + 36 + 6 + 36));
     let mut fix = vec![header("map"), Piece::Bits(1, 0xff), Piece::Bits(2, 3)];

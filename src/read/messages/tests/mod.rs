@@ -43,7 +43,7 @@ fn with(head: Piece, numbers: u32) -> Vec<Piece> {
 }
 
 /// A type with its topic, a message and what that says.
-type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
+type KnownMessage = (&'static str, &'static str, Vec<Piece>, Body<'static>);
 
 fn header(frame: &str) -> Piece {
     Piece::Header(7, 8, frame.to_owned())

@@ -1,6 +1,6 @@
 //! Standard types with positions and orientations, beyond those of every robot.
 
-use super::{FORMS, Form, Known, Piece, STAMP_NS, decoder, floats, header, row, with};
+use super::{FORMS, Form, KnownMessage, Piece, STAMP_NS, decoder, floats, header, row, with};
 use crate::read::messages::content::{Body, Fix, MAX_PATH, Pose};
 
 /// A `GPSFix` behind its header, with this status and these numbers for track, speed and climb.
@@ -35,7 +35,7 @@ fn read_fix(status: i8, covariance: [f64; 9], velocity: Option<[f64; 3]>) -> Bod
 }
 
 /// Every type of this file.
-pub(super) fn all() -> Vec<Known> {
+pub(super) fn all() -> Vec<KnownMessage> {
     let northwards = gps_fix(19, [0.0, 2.0, 0.25]);
     let gps_body = read_fix(19, row(3), Some([0.0, 2.0, 0.25]));
     let mut path = vec![header("map"), Piece::Len(2)];

@@ -1,6 +1,6 @@
 //! What sensors see: calibrations, images and clouds, whole, cut and made up.
 
-use super::{FORMS, Known, Piece, RULE, decoder, floats, header, row, schema, with};
+use super::{FORMS, KnownMessage, Piece, RULE, decoder, floats, header, row, schema, with};
 use crate::read::messages::cloud::{Cloud, Datatype, Field};
 use crate::read::messages::content::{Body, CameraInfo, Image, Roi};
 
@@ -43,7 +43,7 @@ fn two_points(size: [u32; 2]) -> Vec<Piece> {
     pieces
 }
 
-pub(super) fn all() -> Vec<Known> {
+pub(super) fn all() -> Vec<KnownMessage> {
     let mut info = vec![header("map"), whole(480), whole(640), text("plumb_bob"), Piece::Len(5)];
     info.extend(floats(0, 5 + 9 + 9 + 12));
     info.extend([2, 3, 10, 20, 30, 40].map(whole));

@@ -58,14 +58,14 @@ fn times() -> impl Strategy<Value = Times> {
 }
 
 /// The definition of a message and its bytes, made side by side.
-struct Made {
+struct MessageSample {
     form: Form,
     sections: String,
     types: usize,
     pieces: Vec<Piece>,
 }
 
-impl Made {
+impl MessageSample {
     /// The type's name, and its definition put with the others.
     fn define(&mut self, shape: &Shape) -> String {
         match shape {
@@ -136,7 +136,7 @@ proptest! {
         between in prop::collection::vec((shapes(), times()), 0..3),
     ) {
         for form in FORMS {
-            let mut made = Made { form, sections: String::new(), types: 0, pieces: Vec::new() };
+            let mut made = MessageSample { form, sections: String::new(), types: 0, pieces: Vec::new() };
             let mut own = String::new();
             let is_header = |(shape, times): &&(Shape, Times)| {
                 matches!((shape, times), (Shape::Header, Times::One))

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Read, read_text, read_xacro};
+use super::{UrdfResult, read_text, read_xacro};
 use crate::read::at_hand::corpus;
 use crate::read::text::decode;
 use crate::source::ReadStatus;
@@ -26,7 +26,7 @@ fn files(format: &str) -> Vec<PathBuf> {
     files
 }
 
-fn each(format: &str, reader: fn(&str) -> Read, mut look: impl FnMut(&Path, &Read)) {
+fn each(format: &str, reader: fn(&str) -> UrdfResult, mut look: impl FnMut(&Path, &UrdfResult)) {
     for path in files(format) {
         let bytes = std::fs::read(&path).unwrap();
         let (text, _) = decode(bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -2,7 +2,7 @@
 
 use super::{joint_with, read_text};
 
-fn xyz(value: &str) -> super::Read {
+fn xyz(value: &str) -> super::UrdfResult {
     read_text(&joint_with(&format!("<origin xyz=\"{value}\" rpy=\"0 0 0\"/>")))
 }
 

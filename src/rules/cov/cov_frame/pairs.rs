@@ -11,7 +11,7 @@ use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured};
 use crate::world::motion::PoseRow;
 
-use crate::analysis::cov::declared::{Declared, each, horizontal};
+use crate::analysis::cov::declared::{StreamCovariance, each, horizontal};
 use crate::analysis::cov::noise::yaw;
 use crate::rules::cov::cov_frame::limits::Limits;
 
@@ -22,15 +22,15 @@ const MIN_POSES: usize = 50;
 /// Resultant from which two yaws differ by a constant.
 const CONSTANT: f64 = 0.9999;
 
-struct Told {
+struct PoseCovariances {
     source: crate::source::SourceId,
     stream: Stream<PoseRow>,
     matrices: Vec<(i64, Matrix2<f64>)>,
     is_constant: bool,
 }
 
-impl Told {
-    fn of(stream: &Stream<PoseRow>, declared: &Declared<'_>) -> Self {
+impl PoseCovariances {
+    fn of(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>) -> Self {
         let matrix = |sample: &crate::world::content::CovarianceAt| {
             let [xx, xy, yy] = horizontal(sample)?;
             Some((sample.at.stamp_ns?, Matrix2::new(xx, xy, xy, yy)))
@@ -49,9 +49,9 @@ impl Told {
 }
 
 pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-    let mut all: Vec<Told> = Vec::new();
+    let mut all: Vec<PoseCovariances> = Vec::new();
     each(world, "pose.covariance", |_, stream, declared| {
-        all.push(Told::of(stream, declared));
+        all.push(PoseCovariances::of(stream, declared));
     });
     for (index, a) in all.iter().enumerate() {
         for b in all.iter().skip(index + 1).filter(|b| b.source == a.source) {
@@ -100,7 +100,7 @@ fn one_estimate(a: &Stream<PoseRow>, b: &Stream<PoseRow>, limits: &Limits) -> Op
     (way > 0.0 && left <= limits.rigid_share.powi(2) * way).then_some(turn.mean_rad)
 }
 
-fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judge) {
+fn judge_pair(a: &PoseCovariances, b: &PoseCovariances, turn_rad: f64, limits: &Limits, out: &mut Judge) {
     let subject = format!("`pose.covariance` of {} and of {}", a.stream.subject, b.stream.subject);
     let turn_deg = turn_rad.to_degrees();
     if a.is_constant || b.is_constant {
@@ -116,7 +116,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         return out.too_little(subject, why);
     }
     let rotation = *Rotation2::new(turn_rad).matrix();
-    let (mut same, mut turned, mut told, mut count) = (0.0, 0.0, 0.0, 0_usize);
+    let (mut same, mut turned, mut distinct, mut count) = (0.0, 0.0, 0.0, 0_usize);
     for (stamp, of_a) in &a.matrices {
         let found = b
             .matrices
@@ -127,15 +127,15 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         if weight > 0.0 && weight.is_finite() {
             same += (of_b - of_a).norm_squared() / weight;
             turned += (of_b - rotation * of_a * rotation.transpose()).norm_squared() / weight;
-            told += (of_a - rotation * of_a * rotation.transpose()).norm_squared() / weight;
+            distinct += (of_a - rotation * of_a * rotation.transpose()).norm_squared() / weight;
             count += 1;
         }
     }
-    let [same, turned, told] = [same, turned, told].map(|sum| (sum / count as f64).sqrt());
-    if count < 5 || told < 4.0 * limits.same_share {
+    let [same, turned, distinct] = [same, turned, distinct].map(|sum| (sum / count as f64).sqrt());
+    if count < 5 || distinct < 4.0 * limits.same_share {
         let why = format!(
             "too few or too round matrices: {count} at equal times, which the rotation of {turn_deg:.0} deg changes by {:.0} %",
-            100.0 * told
+            100.0 * distinct
         );
         return out.too_little(subject, why);
     }
@@ -167,7 +167,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         "They are one track in two frames. The covariances agree to {:.1} %, where the rotation would change them by {:.0} %: one was \
          not rotated with its pose.",
         100.0 * same,
-        100.0 * told
+        100.0 * distinct
     );
     let finding = Finding::warning(subject, message, b.stream.place())
         .likely()

@@ -7,7 +7,7 @@ use crate::analysis::geo::columns::Column;
 use crate::analysis::geo::kinds::single_precision_step_m;
 
 /// `(x, y, z)`, with the digits that matter.
-fn told(column: &Column) -> String {
+fn coordinates(column: &Column) -> String {
     let (p, digits) = (column.middle, if column.kind.is_angle() { 5 } else { 1 });
     format!("({:.digits$}, {:.digits$}, {:.digits$})", p.x, p.y, p.z)
 }
@@ -19,7 +19,7 @@ fn evidence(column: &Column) -> String {
     } else {
         "the kind is judged by their size alone"
     };
-    format!("Median position: {}; {by}.", told(column))
+    format!("Median position: {}; {by}.", coordinates(column))
 }
 
 /// What the positions of a column are.
@@ -53,7 +53,7 @@ pub(crate) fn mixed(frame: &FrameId, column: &Column, local: &Column) -> Finding
         .detail(format!(
             "{} The local ones have their median at {}, {distance_km:.0} km away.",
             evidence(column),
-            told(local)
+            coordinates(local)
         ))
         .related(local.place.clone(), local.kind.words())
         .help(format!(

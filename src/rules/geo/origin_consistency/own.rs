@@ -10,9 +10,9 @@ use crate::verdict::{Finding, Measured, Severity};
 use crate::world::motion::FixRow;
 use crate::world::{LocalOrigin, OriginSource};
 
-use crate::analysis::geo::apart::{direction, told};
+use crate::analysis::geo::apart::{direction, position_text};
 use crate::analysis::geo::origins::Limits;
-use crate::analysis::geo::origins::tells_origin;
+use crate::analysis::geo::origins::states_origin;
 use crate::analysis::geo::overlay::geodetic;
 
 /// `NavSatStatus.status` with corrections from a ground station.
@@ -33,7 +33,7 @@ pub(crate) fn judge(world: &Estimates, all: &[LocalOrigin], limits: &Limits, out
         let Some((_, bag)) = bags.find(|(bag, _)| bag.source == id) else {
             continue;
         };
-        let receivers = bag.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
+        let receivers = bag.fixes.iter().filter(|fixes| !states_origin(&fixes.topic));
         for fixes in receivers.filter(|fixes| !fixes.guessed) {
             judge_first_fix(origin, fixes, limits, out);
         }
@@ -60,7 +60,7 @@ fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mu
     );
     let detail = format!(
         "The first origin is {}; the farthest later one is offset from it{}.",
-        told(origin),
+        position_text(origin),
         direction(&apart)
     );
     out.fail(
@@ -128,7 +128,7 @@ pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     let detail = format!(
         "{} puts the origin at {}, within {:.1} m.",
         track.who,
-        told(track),
+        position_text(track),
         track.within_m
     );
     let finding = Finding::note("origin", message, track.place.clone()).likely();

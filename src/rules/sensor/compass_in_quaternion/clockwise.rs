@@ -4,8 +4,8 @@ use crate::analysis::motion::Stream;
 use crate::verdict::{Finding, Measured};
 use crate::world::motion::Row;
 
-use crate::analysis::sensor::yaw_zero::Found;
 use crate::analysis::sensor::yaw_zero::Limits;
+use crate::analysis::sensor::yaw_zero::YawZero;
 
 /// Where the zero of a yaw is that grows clockwise, in degrees from north.
 enum Zero {
@@ -15,7 +15,7 @@ enum Zero {
     Unsteady,
 }
 
-impl Found {
+impl YawZero {
     /// The numbers.
     pub(crate) fn measured(&self, turns: &crate::analysis::axes::heading::Limits) -> Vec<Measured> {
         let samples = self.samples as u64;
@@ -100,7 +100,7 @@ impl Found {
                 "publish `yaw_ros = pi/2 - heading`: REP-103 counts yaw counter-clockwise from east. The topic `heading` of \
                  nmea_navsat_driver holds the compass heading itself",
             );
-        let finding = stream.expressed_in.tell(finding);
+        let finding = stream.expressed_in.annotate(finding);
         finding.measured(self.measured(turns))
     }
 }

@@ -9,7 +9,7 @@ use crate::analysis::time::streams::{Clock, Stream, UPTIME_BELOW_S};
 
 /// Rewrites the finding for streams that count from one start, where none shows calendar time: no sensor has a clock of its own, and the
 /// stamps agree with each other.
-pub(crate) fn tell_simulation(finding: &mut Finding, streams: usize) {
+pub(crate) fn explain_simulation(finding: &mut Finding, streams: usize) {
     let stamp_s = finding.measured.first().map_or(0.0, |median| median.value);
     finding.severity = Severity::Note;
     finding.confidence = finding.confidence.min(Confidence::Likely);

@@ -12,18 +12,18 @@ const UNITS: [(f64, &str); 3] = [(1e3, "milliseconds"), (1e6, "microseconds"), (
 
 /// The median of a value over the scans that state it: zero means that it is not known.
 fn of(scans: &Clouds, value: impl Fn(&LaserScanAt) -> f64) -> Option<f64> {
-    let told = scans.laser?.scans.iter().map(value);
-    let told: Vec<f64> = told
+    let stated = scans.laser?.scans.iter().map(value);
+    let stated: Vec<f64> = stated
         .filter(|value| value.is_finite() && *value != 0.0)
         .map(f64::abs)
         .collect();
-    median(&told)
+    median(&stated)
 }
 
 /// TIME06 of planar scanners: `scan_time`, and `time_increment` over all rays, against the step between scans. `share` is the range that a
 /// scan may take of that step.
 pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
-    let told = [
+    let stated = [
         ("scan_time", of(scans, |scan| scan.scan_time_s)),
         (
             "time_increment",
@@ -32,12 +32,12 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
             }),
         ),
     ];
-    let told: Vec<(&str, f64)> = told
+    let stated: Vec<(&str, f64)> = stated
         .iter()
         .filter_map(|(name, value)| Some((*name, (*value)?)))
         .collect();
     // Scans without times have all rays at once, which is right for a simulator and for a slice of a depth image.
-    if told.is_empty() {
+    if stated.is_empty() {
         return;
     }
     let subject = scans.subject("unit of the times of the rays");
@@ -52,7 +52,7 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
         "scan_time" => "`scan_time`".to_owned(),
         other => format!("`{other}` times the rays"),
     };
-    let measured = told
+    let measured = stated
         .iter()
         .map(|(name, value)| Measured::new(what(name), *value, "s").limit(share[1] * period_s))
         .chain([Measured::new("scan period", period_s, "s")]);
@@ -60,7 +60,7 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
         let (_, unit) = UNITS.iter().find(|(per_second, _)| fits(value / per_second))?;
         (!fits(*value)).then_some((*name, *value, *unit))
     };
-    if let Some((name, value, unit)) = told.iter().find_map(other) {
+    if let Some((name, value, unit)) = stated.iter().find_map(other) {
         let message = format!(
             "`{}`: {} is {value:.3}, the scan period ({period_s:.3} s) in {unit}",
             scans.topic.topic,
@@ -74,10 +74,10 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
             ));
         return out.fail(finding.measured(measured));
     }
-    if told.iter().any(|(_, value)| fits(*value)) {
+    if stated.iter().any(|(_, value)| fits(*value)) {
         return out.pass(subject, measured);
     }
-    let values: Vec<String> = told
+    let values: Vec<String> = stated
         .iter()
         .map(|(name, value)| format!("{} is {value} s", what(name)))
         .collect();

@@ -5,7 +5,7 @@ use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured};
 use serde::Deserialize;
 
-use crate::advice::together::tell_once;
+use crate::advice::together::report_once;
 use crate::analysis::time::streams::Stream;
 
 /// A gap of one stream.
@@ -26,12 +26,12 @@ pub(crate) fn judge_gaps(streams: &[&Stream<'_>], limits: &Limits, out: &mut Jud
     let mut together: Vec<Finding> = Vec::new();
     for gap in gaps {
         if gap.from_ns >= until_ns {
-            tell_once(std::mem::take(&mut together), "have a gap at that time too", out);
+            report_once(std::mem::take(&mut together), "have a gap at that time too", out);
         }
         until_ns = until_ns.max(gap.until_ns);
         together.push(gap.finding);
     }
-    tell_once(together, "have a gap at that time too", out);
+    report_once(together, "have a gap at that time too", out);
     subjects
 }
 

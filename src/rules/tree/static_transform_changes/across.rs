@@ -14,14 +14,14 @@ use crate::world::bag::TfSample;
 use crate::world::{BagEvidence, World};
 
 use crate::analysis::tree::latched::Limits;
-use crate::analysis::tree::latched::{Calm, Change, Key, change, difference};
+use crate::analysis::tree::latched::{Change, Key, StableTally, change, difference};
 
 /// The first value of each latched transform in each recording, in the order of time.
-pub(crate) type Across<'a> = BTreeMap<Key, Vec<(&'a BagEvidence, &'a TfSample)>>;
+pub(crate) type FirstValues<'a> = BTreeMap<Key, Vec<(&'a BagEvidence, &'a TfSample)>>;
 
 /// Compares the values of all recordings with the earliest one's.
-pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out: &mut Judge) {
-    let mut calm = Calm::default();
+pub(crate) fn judge_across(world: &World, across: &FirstValues, limits: &Limits, out: &mut Judge) {
+    let mut calm = StableTally::default();
     for ((topic, parent, child), values) in across {
         let Some(((bag, first), rest)) = values.split_first() else {
             continue;
@@ -72,7 +72,7 @@ pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out:
     calm.report("latched transforms across recordings".to_owned(), limits, out);
 }
 
-impl Calm {
+impl StableTally {
     /// Writes the row, if there is anything in it.
     pub(crate) fn report(self, subject: String, limits: &Limits, out: &mut Judge) {
         if self.count > 0 {

@@ -6,14 +6,14 @@ use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::{BagEvidence, FrameId};
 use serde::Deserialize;
 
-use crate::analysis::tree::lookups::{Asked, Culprit, Failures, Heard};
+use crate::analysis::tree::lookups::{Culprit, Failures, Listener, TopicLookups};
 
 /// When look-ups fail, and at what: topics that share it share their finding.
-pub(crate) type Cause = (When, Culprit);
+pub(crate) type Cause = (FailurePattern, Culprit);
 
 /// Which look-ups of a topic fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum When {
+pub(crate) enum FailurePattern {
     Always,
     Between,
     AtTheEnd,
@@ -27,8 +27,8 @@ pub(crate) struct Case<'a> {
     pub(crate) topic: &'a TopicEvidence,
     pub(crate) frame: &'a FrameId,
     pub(crate) target: &'a FrameId,
-    pub(crate) heard: &'a Heard<'a>,
-    pub(crate) asked: &'a Asked,
+    pub(crate) heard: &'a Listener<'a>,
+    pub(crate) asked: &'a TopicLookups,
     pub(crate) limits: &'a Limits,
 }
 
@@ -55,9 +55,13 @@ impl Case<'_> {
             .and_then(|(culprit, is_past)| self.edge(culprit, *is_past));
         let sent_once = once.is_some_and(|edge| edge.count == 1) && share(most.count, asked.count) > 0.5;
         let parts = [
-            (When::Always, most, most.count == asked.count || sent_once),
-            (When::Between, &asked.inside, asked.inside.count > 0),
-            (When::AtTheEnd, &asked.trailing, asked.trailing.seconds > self.end_s()),
+            (FailurePattern::Always, most, most.count == asked.count || sent_once),
+            (FailurePattern::Between, &asked.inside, asked.inside.count > 0),
+            (
+                FailurePattern::AtTheEnd,
+                &asked.trailing,
+                asked.trailing.seconds > self.end_s(),
+            ),
         ];
         for (when, failures, fails) in parts {
             if let (true, Some((culprit, is_past))) = (fails, &failures.main) {
@@ -66,13 +70,13 @@ impl Case<'_> {
             }
         }
         if share(asked.forgotten, asked.count) > self.limits.max_failing {
-            return Some(((When::Late, Culprit::Way), self.late()));
+            return Some(((FailurePattern::Late, Culprit::Way), self.late()));
         }
         let (culprit, is_past) = asked.leading.main.as_ref()?;
         let is_slow = asked.leading.seconds > self.limits.max_start_s;
         is_slow.then(|| {
-            let finding = self.failed(When::AtTheStart, &asked.leading, culprit, *is_past);
-            ((When::AtTheStart, culprit.clone()), finding)
+            let finding = self.failed(FailurePattern::AtTheStart, &asked.leading, culprit, *is_past);
+            ((FailurePattern::AtTheStart, culprit.clone()), finding)
         })
     }
 
@@ -98,7 +102,7 @@ impl Case<'_> {
         self.limits.max_end_s.max(slowest.unwrap_or(0) as f64 / 1e9 * 3.0)
     }
 
-    fn failed(&self, when: When, failures: &Failures, culprit: &Culprit, is_past: bool) -> Finding {
+    fn failed(&self, when: FailurePattern, failures: &Failures, culprit: &Culprit, is_past: bool) -> Finding {
         let Self {
             topic,
             frame,
@@ -107,8 +111,8 @@ impl Case<'_> {
             ..
         } = self;
         let (limit, part) = match when {
-            When::Always => (limits.max_failing, share(failures.count, self.asked.count)),
-            When::Between => (limits.max_failing, share(failures.count, self.answered())),
+            FailurePattern::Always => (limits.max_failing, share(failures.count, self.asked.count)),
+            FailurePattern::Between => (limits.max_failing, share(failures.count, self.answered())),
             _ => (0.0, share(failures.count, self.asked.count)),
         };
         let exception = match culprit {
@@ -119,24 +123,24 @@ impl Case<'_> {
         let why = self.why(culprit, edge, is_past);
         let lookups = format!("`{}`: look-ups of `{frame}` in `{target}` fail for", topic.topic);
         let message = match when {
-            When::Always => format!("{lookups} {:.0} % of the messages", part * 100.0),
-            When::AtTheEnd => format!("{lookups} the last {:.1} s", failures.seconds),
-            When::AtTheStart => format!("{lookups} the first {:.1} s", failures.seconds),
+            FailurePattern::Always => format!("{lookups} {:.0} % of the messages", part * 100.0),
+            FailurePattern::AtTheEnd => format!("{lookups} the last {:.1} s", failures.seconds),
+            FailurePattern::AtTheStart => format!("{lookups} the first {:.1} s", failures.seconds),
             _ => format!("{lookups} {:.1} % of the messages", part * 100.0),
         };
         let detail = format!("tf2 throws {exception}: {why}.");
-        let place = self.place(edge, when == When::AtTheEnd);
+        let place = self.place(edge, when == FailurePattern::AtTheEnd);
         let subject = subject_of(topic);
         let finding = match when {
-            When::Always => Finding::error(subject, message, place),
-            When::Between if part > limits.max_failing => Finding::error(subject, message, place),
-            When::AtTheStart => Finding::note(subject, message, place),
-            When::AtTheEnd => Finding::warning(subject, message, place).likely(),
+            FailurePattern::Always => Finding::error(subject, message, place),
+            FailurePattern::Between if part > limits.max_failing => Finding::error(subject, message, place),
+            FailurePattern::AtTheStart => Finding::note(subject, message, place),
+            FailurePattern::AtTheEnd => Finding::warning(subject, message, place).likely(),
             _ => Finding::warning(subject, message, place),
         };
         let finding = match edge {
             Some(edge) if edge.count == 1 => finding.label("the only transform"),
-            Some(_) if when == When::AtTheEnd => finding.label("the last transform"),
+            Some(_) if when == FailurePattern::AtTheEnd => finding.label("the last transform"),
             _ => finding,
         };
         let seconds = Measured::new("time without a transform", failures.seconds, "s");
@@ -149,8 +153,8 @@ impl Case<'_> {
                     .samples(failures.count),
             )
             .measured(match when {
-                When::AtTheStart => seconds.limit(limits.max_start_s),
-                When::AtTheEnd => seconds.limit(self.end_s()),
+                FailurePattern::AtTheStart => seconds.limit(limits.max_start_s),
+                FailurePattern::AtTheEnd => seconds.limit(self.end_s()),
                 _ => seconds,
             })
     }
@@ -220,7 +224,7 @@ impl Case<'_> {
     }
 }
 
-fn help(when: When, edge: Option<&TfEdge>) -> String {
+fn help(when: FailurePattern, edge: Option<&TfEdge>) -> String {
     match (when, edge) {
         (_, Some(edge)) if edge.count == 1 => {
             format!(
@@ -228,10 +232,10 @@ fn help(when: When, edge: Option<&TfEdge>) -> String {
                 edge.parent, edge.child
             )
         }
-        (When::AtTheStart, _) => {
+        (FailurePattern::AtTheStart, _) => {
             "ignore these messages in offline processing: this is normal while a robot starts".to_owned()
         }
-        (When::AtTheEnd, Some(edge)) => format!(
+        (FailurePattern::AtTheEnd, Some(edge)) => format!(
             "find out why the publisher of `{}` -> `{}` stopped",
             edge.parent, edge.child
         ),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::near::{Names, Reach};
 use crate::analysis::spelling::loose;
-use crate::source::Placed;
+use crate::source::SourceValue;
 use crate::verdict::{Finding, Measured};
 use crate::world::robot::{Joint, Link};
 use crate::world::{FrameId, Robot};
@@ -14,18 +14,18 @@ pub(crate) const MOST_SHOWN: usize = 5;
 
 /// A name that joints use and no link has.
 #[derive(Debug)]
-pub(crate) struct Undefined<'a> {
+pub(crate) struct UndefinedLink<'a> {
     /// The first joint that names it, its end there, and the name.
-    pub first: (&'a Joint, &'static str, &'a Placed<String>),
+    pub first: (&'a Joint, &'static str, &'a SourceValue<String>),
     /// Other places that name it.
-    others: Vec<&'a Placed<String>>,
+    others: Vec<&'a SourceValue<String>>,
     /// Whether any joint names it as its child.
     pub is_child: bool,
 }
 
 /// The names without a link, in file order. Empty names are TREE04's.
-pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -> Vec<Undefined<'a>> {
-    let mut missing: Vec<Undefined> = Vec::new();
+pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -> Vec<UndefinedLink<'a>> {
+    let mut missing: Vec<UndefinedLink> = Vec::new();
     let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
     for joint in &robot.joints {
         for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
@@ -38,7 +38,7 @@ pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -
                 known.others.push(link);
                 known.is_child |= role == "child";
             } else {
-                missing.push(Undefined {
+                missing.push(UndefinedLink {
                     first: (joint, role, link),
                     others: Vec::new(),
                     is_child: role == "child",
@@ -49,7 +49,7 @@ pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -
     missing
 }
 
-impl Undefined<'_> {
+impl UndefinedLink<'_> {
     /// The name.
     pub(crate) fn name(&self) -> &str {
         &self.first.2.value

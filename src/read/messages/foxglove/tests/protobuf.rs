@@ -104,7 +104,7 @@ struct LocationFix {
 }
 
 #[derive(Clone, PartialEq, Message)]
-struct Unpacked {
+struct UnpackedArray {
     #[prost(double, repeated, packed = "false", tag = "4")]
     one_by_one: Vec<f64>,
 }
@@ -144,7 +144,7 @@ fn fixes_are_read_with_covariances_packed_or_not() {
     };
     assert_eq!(unknown.covariance, [0.0; 9]);
     let one_by_one = covariance.to_vec();
-    Unpacked { one_by_one }.encode(&mut bytes).unwrap();
+    UnpackedArray { one_by_one }.encode(&mut bytes).unwrap();
     assert_eq!(reader.decode(&bytes).unwrap().body, Body::Fix(expected));
 
     for count in [8, 10, 1000] {

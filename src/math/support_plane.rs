@@ -45,7 +45,7 @@ impl Default for Options {
 
 /// A plane in a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Support {
+pub struct SupportPlane {
     /// Its unit normal, to the side of the sensor.
     pub normal: Vector3<f64>,
     /// From the plane to the sensor, metres, positive.
@@ -81,7 +81,7 @@ const HIGHEST: f64 = 0.995;
 
 /// The plane beneath the sensor whose normal is about `up`, with the most cells on it and the fewest points beneath. `None` where no triple
 /// makes one.
-pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) -> Option<Support> {
+pub fn support_plane(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) -> Option<SupportPlane> {
     let near: Vec<Vector3<f64>> = points
         .iter()
         .filter(|point| point.iter().all(|value| value.is_finite()) && point.norm() <= options.reach_m)
@@ -133,7 +133,7 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
     };
     let mut off: Vec<f64> = on.iter().map(|point| of(point).abs()).collect();
     off.sort_by(f64::total_cmp);
-    Some(Support {
+    Some(SupportPlane {
         normal,
         height_m,
         points: near.len(),
@@ -333,7 +333,7 @@ mod tests {
     fn the_ground_is_found_with_its_height_and_its_lean() {
         let mut rng = Rng::new(5);
         for lean_deg in [0.0, 4.0, -9.0] {
-            let found = support(&street(&mut rng, lean_deg), &Vector3::z(), &Options::default()).unwrap();
+            let found = support_plane(&street(&mut rng, lean_deg), &Vector3::z(), &Options::default()).unwrap();
             let lean = lean_deg.to_radians();
             // A plane z = -h + s y lies h cos(lean) from the origin.
             assert!((found.height_m - 1.8 * lean.cos()).abs() < 0.02, "{found:?}");
@@ -347,11 +347,11 @@ mod tests {
     fn the_plane_does_not_depend_on_the_axes_that_it_is_told_in() {
         let mut rng = Rng::new(7);
         let street = street(&mut rng, 3.0);
-        let upright = support(&street, &Vector3::z(), &Options::default()).unwrap();
+        let upright = support_plane(&street, &Vector3::z(), &Options::default()).unwrap();
         for axis_angle in [Vector3::new(1.2, 0.0, 0.0), Vector3::new(-0.4, 2.0, 0.9)] {
             let turn = nalgebra::Rotation3::new(axis_angle);
             let turned: Vec<Vector3<f64>> = street.iter().map(|point| turn * point).collect();
-            let found = support(&turned, &(turn * Vector3::z()), &Options::default()).unwrap();
+            let found = support_plane(&turned, &(turn * Vector3::z()), &Options::default()).unwrap();
             assert!(
                 (turn.inverse() * found.normal).angle(&upright.normal) < 0.01,
                 "{found:?} {upright:?}"
@@ -374,7 +374,7 @@ mod tests {
         }
         points.extend((0..500).map(|_| Vector3::new(40.0, rng.range(-9.0, 9.0), -2.0)));
         points.push(Vector3::new(f64::NAN, 0.0, -2.0));
-        let found = support(&points, &Vector3::z(), &Options::default()).unwrap();
+        let found = support_plane(&points, &Vector3::z(), &Options::default()).unwrap();
         assert_eq!(found.points, 1000);
         for (share, expected) in [(found.on, 0.6), (found.above, 0.3), (found.below, 0.1)] {
             assert!((share - expected).abs() < 1e-12, "{found:?}");
@@ -404,16 +404,16 @@ mod tests {
             (0..800).map(|_| point()).collect()
         };
         for points in [plane(0.0, -0.1), plane(0.0, 2.0), plane(1.0, -2.0)] {
-            assert_eq!(support(&points, &Vector3::z(), &Options::default()), None);
+            assert_eq!(support_plane(&points, &Vector3::z(), &Options::default()), None);
         }
         // Twenty degrees lean too far where fifteen are allowed, and do not where thirty are.
         let leaning = plane(20_f64.to_radians().tan(), -3.0);
-        assert_eq!(support(&leaning, &Vector3::z(), &Options::default()), None);
+        assert_eq!(support_plane(&leaning, &Vector3::z(), &Options::default()), None);
         let wide = Options {
             max_tilt_rad: 30_f64.to_radians(),
             ..Options::default()
         };
-        let found = support(&leaning, &Vector3::z(), &wide).unwrap();
+        let found = support_plane(&leaning, &Vector3::z(), &wide).unwrap();
         assert!(
             (found.normal.angle(&Vector3::z()).to_degrees() - 20.0).abs() < 1e-6,
             "{found:?}"
@@ -461,16 +461,16 @@ mod tests {
         let mut rng = Rng::new(6);
         let street = street(&mut rng, 0.0);
         let [below, above] = [Vector3::x(), -Vector3::z()].map(|up| {
-            support(&street, &up, &Options::default())
+            support_plane(&street, &up, &Options::default())
                 .map_or(0.0, |found| found.cells as f64 * (1.0 - found.below / 0.05).max(0.0))
         });
         assert!(below < 25.0 && above < 25.0, "{below} {above}");
         let noise: Vec<Vector3<f64>> = (0..2000).map(|_| 8.0 * rng.normal3()).collect();
-        let found = support(&noise, &Vector3::z(), &Options::default());
+        let found = support_plane(&noise, &Vector3::z(), &Options::default());
         assert!(
             found.is_none_or(|found| found.below > 0.03 || found.on < 0.15),
             "{found:?}"
         );
-        assert!(support(&[], &Vector3::z(), &Options::default()).is_none());
+        assert!(support_plane(&[], &Vector3::z(), &Options::default()).is_none());
     }
 }
