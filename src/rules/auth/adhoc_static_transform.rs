@@ -60,7 +60,8 @@ fn judge_bag(
         return out.missing(subject, "no latched transforms: record `/tf_static`");
     }
     if tf::frames(bag).is_disjoint(links) {
-        return out.missing(subject, "no frame of TF is a link of the URDF, which describes another robot");
+        let why = "no frame of TF is a link of the URDF, which describes another robot";
+        return out.missing(subject, why);
     }
     // Only children of the robot's own links; frames below these move with them.
     let adhoc: Vec<&TfEdge> = latched

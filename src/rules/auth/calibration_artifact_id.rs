@@ -39,7 +39,8 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
     );
     let Some(file) = counterpart(world, recorded, limits) else {
         return out.missing(
-            subject, "no single URDF file of this robot to compare it with: add the file to the input",
+            subject,
+            "no single URDF file of this robot to compare it with: add the file to the input",
         );
     };
     let Differences { found, rigid } = differences(file, recorded, limits);

@@ -29,9 +29,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .filter_map(|topic| declaration(world, bag, topic))
         .collect();
     if topics.is_empty() {
-        return out.missing(
-            subject, "no topic with IMU or odometry messages",
-        );
+        return out.missing(subject, "no topic with IMU or odometry messages");
     }
     if !world.conventions.declare_of(world.path(bag.source)) {
         let why = "nothing is declared: state under `conventions:` in frames-lint.yaml what each topic is expressed in";
@@ -74,7 +72,11 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
 }
 
 /// A topic that is expressed in axes of the world or of a body: whether it is declared, and the line that declares the usual convention.
-fn declaration<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
+fn declaration<'w>(
+    world: &World,
+    bag: &BagEvidence,
+    topic: &'w TopicEvidence,
+) -> Option<(&'w str, bool, &'static str)> {
     let said: Vec<_> = topic.contents().filter(|said| !said.guessed).collect();
     let has = |test: fn(&crate::world::content::ContentEvidence) -> bool| said.iter().any(|said| test(said.content));
     let line = if has(|content| content.odometry.is_some()) {

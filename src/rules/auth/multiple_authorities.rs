@@ -42,7 +42,9 @@ impl Rule for MultipleAuthorities {
 fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &mut Judge) {
     for edge in launched.edges.iter().filter(|edge| edge.is_published()) {
         let subject = format!("published `{}` from `{}`", edge.parent, edge.child);
-        let twins = launched.edges_to(&edge.child).filter(|other| other.parent == edge.parent);
+        let twins = launched
+            .edges_to(&edge.child)
+            .filter(|other| other.parent == edge.parent);
         let others: Vec<&Edge> = twins.filter(|other| other.origin != edge.origin).collect();
         let count = Measured::count("publishers", 1 + others.len()).limit(1.0);
         let (Some(other), Some(place)) = (others.first(), places::of_edge(world, edge)) else {
@@ -70,7 +72,11 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
                 format!("{deg:.2} deg and {m:.3} m apart"),
                 "a listener keeps the value that it received last",
             ),
-            None => (Severity::Note, "with equal values".to_owned(), "the values may differ later"),
+            None => (
+                Severity::Note,
+                "with equal values".to_owned(),
+                "the values may differ later",
+            ),
         };
         let message = format!("`{}` -> `{}` is published twice, {values}", edge.parent, edge.child);
         let mut finding = Finding::new(severity, subject, message, place)
@@ -100,11 +106,17 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let takes_turns = takes_turns(edge, share, limits);
     if !takes_turns && programs.len() < 2 {
         if edge.writers.is_empty() && edge.steps.count < limits.min_steps {
-            out.too_little(subject, "the recording does not name the publishers, and has too few transforms to detect two");
+            out.too_little(
+                subject,
+                "the recording does not name the publishers, and has too few transforms to detect two",
+            );
         } else {
             out.pass(
                 subject,
-                [Measured::count("known publishers", edge.writers.len()).limit(1.0), undone],
+                [
+                    Measured::count("known publishers", edge.writers.len()).limit(1.0),
+                    undone,
+                ],
             );
         }
         return;
@@ -113,14 +125,21 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
         0 | 1 => ("two publishers".to_owned(), String::new()),
         n => {
             let names: Vec<String> = edge.writers.keys().map(|name| format!("`{name}`")).collect();
-            (format!("{n} publishers"), format!("The publishers are {}. ", names.join(", ")))
+            (
+                format!("{n} publishers"),
+                format!("The publishers are {}. ", names.join(", ")),
+            )
         }
     };
     let what = format!("`{}` -> `{}` on `{}`", edge.parent, edge.child, edge.topic);
     let (severity, message, how) = if takes_turns {
         let (undone, count) = (edge.steps.undone, edge.steps.count);
         let message = format!("{who} alternate on {what}: {undone} of {count} steps are reversed");
-        (Severity::Error, message, "Each of these steps is reversed by the next one: a listener gets both series in turn.")
+        (
+            Severity::Error,
+            message,
+            "Each of these steps is reversed by the next one: a listener gets both series in turn.",
+        )
     } else if moves(edge, limits) {
         let message = format!("{who} publish the moving transform {what}");
         (Severity::Warning, message, "tf2 interpolates between their values.")

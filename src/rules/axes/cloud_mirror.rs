@@ -3,7 +3,9 @@
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
-use crate::analysis::{axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::ScanStep};
+use crate::analysis::{
+    axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::ScanStep,
+};
 use crate::math::regress::{LineForm, fit_huber};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
@@ -153,7 +155,14 @@ impl ReferenceTurn {
     }
 }
 
-fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &ReferenceTurn, limits: &Limits, out: &mut Judge) {
+fn judge_clouds(
+    world: &World,
+    clouds: &Clouds,
+    steps: &Steps,
+    beside: &ReferenceTurn,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let subject = clouds.subject("handedness");
     if let (Some(_), None) = (clouds.laser, steps.is_up) {
         return out.missing(subject, steps.why);

@@ -308,7 +308,9 @@ fn applied_already(
         let message = format!(
             "`{}`: extrinsic is applied twice (points in `{}` are already expressed in `{}`)",
             clouds.topic.topic,
-            clouds.frame().map_or_else(String::new, |frame| frame.as_str().to_owned()),
+            clouds
+                .frame()
+                .map_or_else(String::new, |frame| frame.as_str().to_owned()),
             over.base
         );
         Finding::error(subject, message, clouds.place())

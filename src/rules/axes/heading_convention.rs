@@ -4,7 +4,9 @@ use crate::advice::diagnosis::{defer, explain};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::axes::yaw_vs_course::{HeadingFit, apart_deg, is_upright};
 use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{axes::causes, axes::causes::Aspect, axes::diagnosis::Diagnosis, axes::heading::Limits, look::TRACK};
+use crate::analysis::{
+    axes::causes, axes::causes::Aspect, axes::diagnosis::Diagnosis, axes::heading::Limits, look::TRACK,
+};
 use crate::rules::prelude::*;
 
 pub(crate) struct HeadingConvention;
@@ -123,7 +125,10 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limit
     let offset = decided.large_offset_deg(limits)?;
     let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let (what, help) = if near(90.0) {
-        ("the sensor is rotated to the left, which TF does not state", "add the sensor's yaw to its mounting in TF")
+        (
+            "the sensor is rotated to the left, which TF does not state",
+            "add the sensor's yaw to its mounting in TF",
+        )
     } else if near(-90.0) {
         (
             "the yaw is zero in the north, or y of the body points forward, or the sensor is rotated to the right, which TF does not state",

@@ -3,8 +3,8 @@
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::base_up::{BaseUp, Limits};
 use crate::analysis::axes::causes::{Aspect, Base};
-use crate::analysis::motion::Imu;
 use crate::analysis::axes::sensors::Sensor;
+use crate::analysis::motion::Imu;
 use crate::rules::prelude::*;
 
 pub(crate) struct ImuGravitySign;

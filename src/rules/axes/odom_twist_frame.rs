@@ -202,7 +202,9 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
 /// A velocity with the right direction and the wrong magnitude.
 fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &Limits) -> Finding {
     let (times, left) = twists.scale;
-    let unit = UNITS.iter().find(|(factor, _)| (times / factor - 1.0).abs() <= limits.max_residual / 10.0);
+    let unit = UNITS
+        .iter()
+        .find(|(factor, _)| (times / factor - 1.0).abs() <= limits.max_residual / 10.0);
     let message = format!(
         "`{}`: velocity is {times:.4} times that of its own pose{}",
         stream.topic,
@@ -212,7 +214,8 @@ fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &L
         "The direction is correct: divided by this factor, the velocity leaves {:.1} % of the pose's motion unexplained.",
         100.0 * left
     );
-    let residual = Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
+    let residual =
+        Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
     let finding = Finding::error(subject, message, stream.place())
         .likely()
         .detail(detail)

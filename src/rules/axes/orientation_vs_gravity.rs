@@ -2,10 +2,10 @@
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, World};
+use crate::analysis::axes::sensors::Sensor;
 use crate::analysis::axes::world_up::{Limits, WorldUp};
 use crate::analysis::motion::Imu;
 use crate::math::readings::Reading;
-use crate::analysis::axes::sensors::Sensor;
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
 

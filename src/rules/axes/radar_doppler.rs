@@ -146,7 +146,13 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
 }
 
 /// The rates of static objects are zero.
-fn judge_still(radar: &Radar, way: &MotionSource, agreed: &[Scan], limits: &Limits, out: &mut Judge) -> Result<(), Reason> {
+fn judge_still(
+    radar: &Radar,
+    way: &MotionSource,
+    agreed: &[Scan],
+    limits: &Limits,
+    out: &mut Judge,
+) -> Result<(), Reason> {
     let of = |value: fn(&Scan) -> f64| median(&agreed.iter().map(value).collect::<Vec<_>>()).unwrap_or(f64::NAN);
     let (speed, fitted) = (of(|scan| scan.expected.norm()), of(|scan| scan.fitted.norm()));
     let (share, as_expected) = (of(|scan| scan.share), of(|scan| scan.as_expected));
@@ -259,7 +265,13 @@ fn estimate(way: &MotionSource, scans: &[Scan], limits: &Limits) -> Result<Direc
     })
 }
 
-fn judge_seen(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, limits: &Limits, out: &mut Judge) -> Result<(), Reason> {
+fn judge_seen(
+    radar: &Radar,
+    way: &MotionSource,
+    seen: &DirectionEstimate,
+    limits: &Limits,
+    out: &mut Judge,
+) -> Result<(), Reason> {
     let is_back = seen.off_rad.abs() > PI / 2.0;
     let half_turn_off_deg = (PI - seen.off_rad.abs()).to_degrees();
     let is_half_turn = half_turn_off_deg <= limits.half_turn_deg;
@@ -309,7 +321,10 @@ fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure
     let (relation, message, detail) = if is_sure {
         (
             "doppler-sign",
-            format!("{} has the wrong sign: positive for approaching objects", radar.said.subject()),
+            format!(
+                "{} has the wrong sign: positive for approaching objects",
+                radar.said.subject()
+            ),
             "Detections are found again in later scans where the opposite sign puts them.".to_owned(),
         )
     } else {

@@ -60,7 +60,14 @@ impl Rule for CameraExtrinsicDirection {
                 continue;
             }
             if let (Some(pose), Some((target, source))) = (claim.pose, sides(world, claim)) {
-                judge_claim((world, &of_robot), claim, &pose.isometry(), (&target, &source), limits, out);
+                judge_claim(
+                    (world, &of_robot),
+                    claim,
+                    &pose.isometry(),
+                    (&target, &source),
+                    limits,
+                    out,
+                );
             }
         }
     }
@@ -130,8 +137,13 @@ impl<'w> RobotFrames<'w> {
         };
         match self.of_kind.get(&kind).map_or(&[][..], Vec::as_slice) {
             [one] => Ok((*one).clone()),
-            [] => Err(format!("`{name}` is no frame of the robot, which has none of this kind either")),
-            several => match digits(name).and_then(|digits| self.numbered.get(&(kind, digits))).map(Vec::as_slice) {
+            [] => Err(format!(
+                "`{name}` is no frame of the robot, which has none of this kind either"
+            )),
+            several => match digits(name)
+                .and_then(|digits| self.numbered.get(&(kind, digits)))
+                .map(Vec::as_slice)
+            {
                 Some([one]) => Ok((*one).clone()),
                 _ => Err(format!(
                     "`{name}` is no frame of the robot, and may be any of {}: name it with `aliases:` in frames-lint.yaml",
@@ -168,7 +180,10 @@ fn judge_claim(
         (Err(why), _) | (_, Err(why)) => return out.missing(subject, why),
     };
     let Some(known) = graph.rigid().between(&of_target, &of_source) else {
-        return out.missing(subject, format!("no rigid chain of transforms connects `{of_source}` and `{of_target}`"));
+        return out.missing(
+            subject,
+            format!("no rigid chain of transforms connects `{of_source}` and `{of_target}`"),
+        );
     };
     let off = |reading: &Isometry3<f64>| {
         let off_m = (reading.translation.vector - known.translation.vector).norm();
@@ -188,7 +203,10 @@ fn judge_claim(
         // A file that does not say its direction has none that is wrong.
         (false, true) if !is_named => out.pass(subject, measured),
         (true, true) => {
-            out.too_little(subject, format!("as read and inverted it is near {pair} of the robot: they cannot be distinguished"));
+            out.too_little(
+                subject,
+                format!("as read and inverted it is near {pair} of the robot: they cannot be distinguished"),
+            );
         }
         (false, false) => {
             let far = if stated.translation.vector.norm() > limits.away_m {

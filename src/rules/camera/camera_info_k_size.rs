@@ -81,10 +81,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     }
     let [fx, fy, cx, cy] = published.pinhole();
     if k.iter().any(|value| !value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
-        let message = format!(
-            "K {} has invalid focal lengths: {fx} and {fy} pixels",
-            published.whose
-        );
+        let message = format!("K {} has invalid focal lengths: {fx} and {fy} pixels", published.whose);
         let finding = Finding::error(&subject, message, published.place.clone());
         return out.fail(finding.help("calibrate the camera again, or look for a wrong field in the driver"));
     }
@@ -93,7 +90,10 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     }
     let [width, height] = calibration.size.map(f64::from);
     if width == 0.0 || height == 0.0 {
-        return out.missing(subject, "width and height are zero, so K cannot be compared with them: fill them in");
+        return out.missing(
+            subject,
+            "width and height are zero, so K cannot be compared with them: fill them in",
+        );
     }
     let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
     let measured = [
@@ -107,13 +107,21 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
         let (x, y) = (2.0 * cx / width, 2.0 * cy / height);
         let of_another = (x / y - 1.0).abs() <= limits.same_ratio * 10.0;
         Some(if of_another {
-            let words = format!(" is probably for {:.0} x {:.0} pixels, not {width} x {height}", width * x, height * y);
+            let words = format!(
+                " is probably for {:.0} x {:.0} pixels, not {width} x {height}",
+                width * x,
+                height * y
+            );
             (
                 words,
                 "not-rescaled",
                 "scale fx, fy, cx and cy with the image, or set binning",
                 // No lens looks past its image.
-                if x.max(y) > 2.0 { Severity::Error } else { Severity::Warning },
+                if x.max(y) > 2.0 {
+                    Severity::Error
+                } else {
+                    Severity::Warning
+                },
             )
         } else {
             let help = "set `roi` for a cropped image, and keep K of the whole image (REP-104)";
@@ -166,7 +174,10 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
     let (relation, help) = if is_transposed {
         ("transposed", "write K row by row: fx, 0, cx, 0, fy, cy, 0, 0, 1")
     } else {
-        ("not-a-camera-matrix", "write K row by row: fx, s, cx, 0, fy, cy, 0, 0, 1")
+        (
+            "not-a-camera-matrix",
+            "write K row by row: fx, s, cx, 0, fy, cy, 0, 0, 1",
+        )
     };
     let message = format!(
         "K {} is {}: it ends in {k20}, {k21}, {k22}, not 0, 0, 1",
@@ -230,12 +241,16 @@ fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits:
             "set `roi` if the image is cropped; else use the calibration of this camera",
         )
     };
-    let message =
-        format!("images on `{topic}` have {image_width} x {image_height} pixels, but {width} x {height} are calibrated");
+    let message = format!(
+        "images on `{topic}` have {image_width} x {image_height} pixels, but {width} x {height} are calibrated"
+    );
     let place = Place::message(published.bag.source, form.at.clone());
     let finding = Finding::error(subject, message, place)
         .likely()
-        .detail(format!("Compared with the calibration on `{}`. {words}", published.topic))
+        .detail(format!(
+            "Compared with the calibration on `{}`. {words}",
+            published.topic
+        ))
         .relation(relation)
         .related(published.place(), "the calibration")
         .help(help);

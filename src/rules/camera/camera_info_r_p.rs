@@ -39,7 +39,8 @@ impl Rule for CameraInfoRP {
 fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let r = Matrix3::from_row_slice(&published.calibration.r);
     if r == Matrix3::zeros() {
-        return out.missing(subject, "R is all zeros: it was not filled in; publish a calibrated camera_info");
+        let why = "R is all zeros: it was not filled in; publish a calibrated camera_info";
+        return out.missing(subject, why);
     }
     let (error, determinant) = (orthogonality_error(&r), r.determinant());
     let measured = [
@@ -67,11 +68,13 @@ fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
 fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let p = &published.calibration.p;
     if p.iter().all(|value| *value == 0.0) {
-        return out.missing(subject, "P is all zeros: the rectified image is not calibrated; publish a calibrated camera_info");
+        let why = "P is all zeros: the rectified image is not calibrated; publish a calibrated camera_info";
+        return out.missing(subject, why);
     }
     let [fx, fy, ..] = published.pinhole();
     let [px, _, pcx, tx, py0, py, pcy, ty, p20, p21, p22, _] = *p;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
+    let (zooms, accepted) = ([px / fx, py / fy], limits.least_zoom..=limits.most_zoom);
     let fault = if p.iter().any(|value| !value.is_finite()) || px <= 0.0 || py <= 0.0 {
         Some((
             format!("has invalid focal lengths: {px} and {py}"),
@@ -88,10 +91,7 @@ fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
             "baseline-sign",
             "check whether the two cameras are swapped: Tx is -fx' B for the right camera and 0 for the left one",
         ))
-    } else if ![px / fx, py / fy]
-        .iter()
-        .all(|zoom| (limits.least_zoom..=limits.most_zoom).contains(zoom))
-    {
+    } else if !zooms.iter().all(|zoom| accepted.contains(zoom)) {
         let words = format!("has focal lengths {px:.1} and {py:.1}, but K has {fx:.1} and {fy:.1}");
         Some((
             words,
@@ -111,7 +111,8 @@ fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
     match fault {
         None => out.pass(subject, measured),
         Some((words, relation, help)) => {
-            let finding = Finding::error(subject, format!("P {} {words}", published.whose), published.place.clone());
+            let message = format!("P {} {words}", published.whose);
+            let finding = Finding::error(subject, message, published.place.clone());
             let finding = finding.likely().relation(relation).help(help);
             out.fail(finding.measured(measured));
         }

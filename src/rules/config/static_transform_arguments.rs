@@ -28,7 +28,9 @@ impl Rule for StaticTransformArguments {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let claims = LazyCell::new(|| -> ClaimsAt {
             let claims = world.claims.iter().rev();
-            claims.map(|claim| ((&claim.place, claim.label.as_str()), claim)).collect()
+            claims
+                .map(|claim| ((&claim.place, claim.label.as_str()), claim))
+                .collect()
         });
         for publisher in &world.publishers {
             let subject = format!(
@@ -67,7 +69,8 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         // Nine words are the other form: the programs of ROS 1 only count them.
         (Some("tf"), false, 9) => Some((
             format!("`{name}` has no period, which static_transform_publisher of `tf` requires"),
-            "It reads the quaternion as three angles, its last number as the parent, and the child as the period.".to_owned(),
+            "It reads the quaternion as three angles, its last number as the parent, and the child as the period."
+                .to_owned(),
             ADD,
         )),
         (Some("tf"), false, _) => Some((
@@ -77,7 +80,8 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         )),
         (Some("tf2_ros"), true, 9) if is_of_ros1 => Some((
             format!("`{name}` has a period, which static_transform_publisher of `tf2_ros` does not take"),
-            "It reads the angles and the parent as a quaternion, the child as the parent, and the period as the child.".to_owned(),
+            "It reads the angles and the parent as a quaternion, the child as the parent, and the period as the child."
+                .to_owned(),
             REMOVE,
         )),
         (Some("tf2_ros"), true, _) => Some((
@@ -98,7 +102,10 @@ fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, l
             return out.missing(subject, format!("`{what}` is known only when the file is run"));
         }
         Some(ReadObstacle::Parameter(name)) => {
-            return out.missing(subject, format!("the transform is in the parameter `{name}`, which is not read"));
+            return out.missing(
+                subject,
+                format!("the transform is in the parameter `{name}`, which is not read"),
+            );
         }
         Some(ReadObstacle::Misread(_)) | None => {}
     }
@@ -140,7 +147,10 @@ fn rolled(claim: &Claim, [roll, pitch, yaw]: [f64; 3], limits: &Limits) -> Optio
     let is_mount = names::is_base(parent) && names::optical_stem(child).is_none();
     (is_mount && quarter && is_zero(pitch) && is_zero(yaw)).then(|| {
         (
-            format!("`{child}` has a roll of {:.1} deg and no other rotation: probably a yaw", roll.to_degrees()),
+            format!(
+                "`{child}` has a roll of {:.1} deg and no other rotation: probably a yaw",
+                roll.to_degrees()
+            ),
             "The order of the arguments is yaw pitch roll, and only the last is set.",
             "put the angle first if it is a yaw; leave it if the sensor is mounted on its side",
             Measured::new("roll", roll.to_degrees(), "deg"),

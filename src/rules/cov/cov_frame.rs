@@ -58,8 +58,18 @@ fn axes(declared: &StreamCovariance<'_>, limits: &Limits) -> Result<Axes, String
 fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
-        Measured::new("direction of the long axis as published, mean resultant length", axes.constant, "1").samples(n),
-        Measured::new("direction of the long axis minus the yaw, mean resultant length", axes.less_yaw, "1").samples(n),
+        Measured::new(
+            "direction of the long axis as published, mean resultant length",
+            axes.constant,
+            "1",
+        )
+        .samples(n),
+        Measured::new(
+            "direction of the long axis minus the yaw, mean resultant length",
+            axes.less_yaw,
+            "1",
+        )
+        .samples(n),
         Measured::new("ratio of the axes", axes.stretch, "1").limit(limits.min_stretch),
     ]
 }

@@ -116,7 +116,8 @@ fn judge_angles(
                 .samples(evidence.count)],
         ),
         Some(most) => {
-            let why = format!("a variance of {most:.1e} is too large for rad^2 and deg^2: it marks the angle as unknown");
+            let why =
+                format!("a variance of {most:.1e} is too large for rad^2 and deg^2: it marks the angle as unknown");
             out.not_applicable(subject, why);
         }
         None => {

@@ -49,7 +49,9 @@ impl Rule for CalibrationLoop {
                 one.judge(world.path(source), limits, out);
             }
             if are_more {
-                let why = format!("only the first {MAX_LOOPS} loops of three frames were checked: give fewer files in one run");
+                let why = format!(
+                    "only the first {MAX_LOOPS} loops of three frames were checked: give fewer files in one run"
+                );
                 let subject = format!("more loops in {}", world.path(source));
                 out.too_little(subject, why);
             }
@@ -174,7 +176,11 @@ impl Loop<'_> {
             format!("`{a}`, `{b}` and `{c}` do not close a loop: residual {angle_deg:.2} deg and {distance_m:.3} m");
         let (detail, place, relation) = match culprits.as_slice() {
             [(culprit, relation)] => (
-                format!("The loop closes if one error in {} is corrected. {}", culprit.who, relation.describe()),
+                format!(
+                    "The loop closes if one error in {} is corrected. {}",
+                    culprit.who,
+                    relation.describe()
+                ),
                 culprit.place.clone(),
                 Some(relation.word()),
             ),
@@ -211,9 +217,9 @@ impl Loop<'_> {
             finding = finding.relation(relation);
         }
         // A transform that contradicts another source on its own two frames opens the loop.
-        finding = culprits
-            .iter()
-            .fold(finding, |finding, (culprit, _)| finding.unless_about(codes::CROSS02, culprit.who.clone()));
+        finding = culprits.iter().fold(finding, |finding, (culprit, _)| {
+            finding.unless_about(codes::CROSS02, culprit.who.clone())
+        });
         if culprits.is_empty() {
             finding = finding.unless(codes::CROSS01);
         }

@@ -34,8 +34,9 @@ fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut J
     match seen.decided {
         Some(Reading::AsPublished) => out.pass(subject, measured),
         Some(Reading::Inverse) => {
-            let message =
-                format!("`{name}` is inverted: residual {published:.2} m as published, {inverse:.2} m with its inverse");
+            let message = format!(
+                "`{name}` is inverted: residual {published:.2} m as published, {inverse:.2} m with its inverse"
+            );
             let finding = Finding::error(subject, message, clouds.place())
                 .likely()
                 .detail(format!(
@@ -53,7 +54,12 @@ fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut J
             out.fail(finding.measured(measured));
         }
         Some(_) => {
-            out.not_applicable(subject, format!("`{name}` matches the motion once it is rotated by 180 deg about z: the direction is not the error"));
+            out.not_applicable(
+                subject,
+                format!(
+                    "`{name}` matches the motion once it is rotated by 180 deg about z: the direction is not the error"
+                ),
+            );
         }
         None => {
             let why = format!(

@@ -121,7 +121,10 @@ fn finding(
         detail = format!("{detail} Or {reference} is wrong: its radians were converted once more.");
     }
     if pair.is_by_role() {
-        detail = format!("{detail} Assumes that {}, by the names that programs use for their sensors.", pair.taken());
+        detail = format!(
+            "{detail} Assumes that {}, by the names that programs use for their sensors.",
+            pair.taken()
+        );
     }
     let help = format!(
         "find out which of the two is right, and use it in both{wants}. {}{}",
@@ -171,8 +174,7 @@ fn admitted(world: &World, pair: &Pair, found: &Classification, limits: &Limits)
         Some(apart(&predicted, &pair.other.pose))
     };
     let fits_digits = |relation: Relation| {
-        residual(relation)
-            .is_some_and(|(rad, m)| m <= limits.exact_m && rad.to_degrees() <= limits.exact_deg)
+        residual(relation).is_some_and(|(rad, m)| m <= limits.exact_m && rad.to_degrees() <= limits.exact_deg)
     };
     let class = found.class.clone();
     let mut keep = |test: &dyn Fn(Relation) -> bool| {
@@ -206,7 +208,13 @@ fn contradicts_itself(world: &World, pair: &Pair) -> bool {
     let Some(own) = pair.other.claim(world) else {
         return false;
     };
-    let spans = |claim: &Claim| claim.rotation_literals.iter().map(|literal| literal.span).collect::<Vec<_>>();
+    let spans = |claim: &Claim| {
+        claim
+            .rotation_literals
+            .iter()
+            .map(|literal| literal.span)
+            .collect::<Vec<_>>()
+    };
     let own_spans = spans(own);
     world.claims.iter().any(|other| {
         let is_other = other.place.source == own.place.source && other.frames != own.frames;

@@ -58,7 +58,12 @@ impl Rule for FrameAliases {
             }
             let pose = pose.isometry();
             let stated = StatedTransform { target, source, pose };
-            asked.push(OwnTransform { claim, dialect, roles: *roles, stated });
+            asked.push(OwnTransform {
+                claim,
+                dialect,
+                roles: *roles,
+                stated,
+            });
         }
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
@@ -179,7 +184,9 @@ fn judge_claim(
             let (is_exact, candidate) = match (to_digits.as_slice(), related.as_slice(), candidates) {
                 ([one], ..) => (true, *one),
                 (_, [one], [_]) if roles => (false, one),
-                _ if let [only] = candidates && exact.halves(&only.pose, only.off_deg, only.off_m) => {
+                _ if let [only] = candidates
+                    && exact.halves(&only.pose, only.off_deg, only.off_m) =>
+                {
                     out.fail(half_equal(world, claim, subject, (target, source), only).measured(measured(only)));
                     return None;
                 }
@@ -210,10 +217,16 @@ fn judge_claim(
             });
         }
         ([_], _) => {
-            out.too_little(subject, "it is nearly an identity, as in any file that was not calibrated");
+            out.too_little(
+                subject,
+                "it is nearly an identity, as in any file that was not calibrated",
+            );
         }
         _ => {
-            out.too_little(subject, "several pairs of frames have this transform: name the frames with `aliases:` in frames-lint.yaml");
+            out.too_little(
+                subject,
+                "several pairs of frames have this transform: name the frames with `aliases:` in frames-lint.yaml",
+            );
         }
     }
     None

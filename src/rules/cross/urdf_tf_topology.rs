@@ -48,7 +48,8 @@ fn judge_bag(
         .collect();
     if shared.is_empty() {
         return out.missing(
-            subject, "no child frame of TF is a link of this robot: give the description that the recording was made with",
+            subject,
+            "no child frame of TF is a link of this robot: give the description that the recording was made with",
         );
     }
     let mut differing = 0;
@@ -78,7 +79,10 @@ fn parent_differs(bag: &BagEvidence, edge: &TfEdge, joint: &Joint) -> Option<Fin
     if FrameId::new(&stated.value).canonical() == parent {
         return None;
     }
-    let message = format!("the parent of `{}` is `{parent}` in TF, but `{}` in the URDF", edge.child, stated.value);
+    let message = format!(
+        "the parent of `{}` is `{parent}` in TF, but `{}` in the URDF",
+        edge.child, stated.value
+    );
     Some(
         Finding::warning(
             format!("frame `{}`", edge.child),

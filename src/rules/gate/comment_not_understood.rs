@@ -7,7 +7,6 @@ use crate::verdict::waiver::{CommentFault, WaiverEffect, WaiverKind};
 pub(crate) struct CommentNotUnderstood;
 
 impl PolicyRule for CommentNotUnderstood {
-
     fn judge(applied: &[WaiverEffect], misspelt: &[CommentFault], out: &mut Judge) {
         for one in applied.iter().filter(|one| one.waiver.kind == WaiverKind::Comment) {
             out.pass(

@@ -7,7 +7,6 @@ use crate::verdict::waiver::{CommentFault, WaiverEffect};
 pub(crate) struct ExpiredWaiver;
 
 impl PolicyRule for ExpiredWaiver {
-
     fn judge(applied: &[WaiverEffect], _: &[CommentFault], out: &mut Judge) {
         for one in applied {
             let waiver = &one.waiver;

@@ -7,7 +7,6 @@ use crate::verdict::waiver::{CommentFault, WaiverEffect};
 pub(crate) struct UnusedWaiver;
 
 impl PolicyRule for UnusedWaiver {
-
     fn judge(applied: &[WaiverEffect], _: &[CommentFault], out: &mut Judge) {
         for one in applied {
             let waiver = &one.waiver;
@@ -18,10 +17,7 @@ impl PolicyRule for UnusedWaiver {
             } else if let Some(why) = &one.unjudged {
                 out.too_little(subject, why);
             } else {
-                let message = format!(
-                    "{} matches no finding",
-                    crate::advice::waiver::opening(waiver)
-                );
+                let message = format!("{} matches no finding", crate::advice::waiver::opening(waiver));
                 out.fail(
                     Finding::warning(subject, message, waiver.place.clone())
                         .label(format!("reason: {}", waiver.reason))

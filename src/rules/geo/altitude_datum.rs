@@ -131,7 +131,9 @@ fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: HeightGap, undul
         (
             "the map's origin",
             "Its height is probably one above mean sea level: the difference is the geoid undulation. `earth` (REP-105) needs heights above the WGS 84 ellipsoid.",
-            format!("add the geoid undulation ({undulation_m:.2} m) to the origin's height where `earth` -> `map` is published"),
+            format!(
+                "add the geoid undulation ({undulation_m:.2} m) to the origin's height where `earth` -> `map` is published"
+            ),
         )
     } else {
         (

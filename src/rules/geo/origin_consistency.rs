@@ -117,9 +117,7 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     };
     let message = if reference.who == other.who {
         let [one, two] = [reference, other].map(|origin| world.path(origin.place.source));
-        format!(
-            "`{one}` and `{two}` put the origin {distance_m:.2} m apart"
-        )
+        format!("`{one}` and `{two}` put the origin {distance_m:.2} m apart")
     } else {
         format!(
             "{} and {} put the origin {distance_m:.2} m apart",

@@ -58,7 +58,10 @@ fn judge_frame(world: &World, frame: &FrameId, axes: BodyAxes, limits: &Limits, 
         let of_both =
             axes == BodyAxes::Flu && !siblings(world, frame, axes.word(), Some(BodyAxes::Frd.word())).is_empty();
         if !of_both {
-            out.too_little(subject, format!("no transform to a frame of the same name without `{}`", axes.word()));
+            out.too_little(
+                subject,
+                format!("no transform to a frame of the same name without `{}`", axes.word()),
+            );
         }
         return;
     };
@@ -129,7 +132,9 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     );
     let help = match expected {
         Some(_) => "set rpy = (pi, 0, 0), forward-right-down in a forward-left-up frame, or rename the frame",
-        None => "remove the rotation, since a frame without a suffix is forward-left-up already (REP-103), or rename the frame",
+        None => {
+            "remove the rotation, since a frame without a suffix is forward-left-up already (REP-103), or rename the frame"
+        }
     };
     // The frame without a suffix may have other axes, as a sensor in its mounting: only the names disagree.
     let is_open = relation.is_none() || (pair.axes == BodyAxes::Flu && relation == Some(Relation::FluFrd));

@@ -33,7 +33,8 @@ impl Rule for FrameCaseMismatch {
         let components = LazyCell::new(|| world.graph().components());
         let trees = LazyCell::new(|| -> BTreeMap<&FrameId, usize> {
             let numbered = components.iter().enumerate();
-            let members = numbered.map(|(number, component)| component.members.iter().map(move |frame| (frame, number)));
+            let members =
+                numbered.map(|(number, component)| component.members.iter().map(move |frame| (frame, number)));
             members.flatten().collect()
         });
         let spelled = LazyCell::new(|| places::NamePlaces::of(world));

@@ -57,7 +57,10 @@ impl Rule for FrameNearDuplicate {
             if let Some(near) = near {
                 out.fail(judge_near(world, frame, uses, &near, limits));
             } else if !tree.contains(frame) && index.is_spent() {
-                out.too_little(subject, "there are too many unknown names to compare each with the tree");
+                out.too_little(
+                    subject,
+                    "there are too many unknown names to compare each with the tree",
+                );
             } else {
                 let names = Measured::count("similar names", 0).limit(0.0);
                 out.pass(subject, [names.samples(tree.len() as u64)]);

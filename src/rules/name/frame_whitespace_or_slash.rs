@@ -37,7 +37,12 @@ impl Rule for FrameWhitespaceOrSlash {
         }
         let texts = LazyCell::new(|| Texts {
             spelled: places::NamePlaces::of(world),
-            links: world.robots.iter().flat_map(|robot| &robot.links).map(|link| link.name.value.as_str()).collect(),
+            links: world
+                .robots
+                .iter()
+                .flat_map(|robot| &robot.links)
+                .map(|link| link.name.value.as_str())
+                .collect(),
         });
         for ((_, grade), names) in &groups {
             if names.len() > MANY {
@@ -107,7 +112,11 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
     } else {
         let path = world.path(place.source);
         let message = format!("each of {} frame names {}", names.len(), fault.words());
-        (format!("frames of {path}"), message, format!("The names are {listed}. {}", fault.why()))
+        (
+            format!("frames of {path}"),
+            message,
+            format!("The names are {listed}. {}", fault.why()),
+        )
     };
     let cleaned: Vec<String> = names
         .iter()

@@ -28,13 +28,14 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
         return out.pass(subject, [messages]);
     }
     if !camera.is_camera(frame) {
-        let reason =
-            "no camera calibration has this frame, and its name is not a camera's: lidars publish images too";
+        let reason = "no camera calibration has this frame, and its name is not a camera's: lidars publish images too";
         return out.not_applicable(subject, reason);
     }
     let place = Place::message(bag.source, camera.first.clone());
-    let help = "publish an optical frame, rpy = (-pi/2, 0, -pi/2) from the camera's link, and set it as the driver's frame_id";
-    let why = "Images are expressed in the camera's optical frame: z forward, x right, y down (REP-103, CameraInfo.msg).";
+    let help =
+        "publish an optical frame, rpy = (-pi/2, 0, -pi/2) from the camera's link, and set it as the driver's frame_id";
+    let why =
+        "Images are expressed in the camera's optical frame: z forward, x right, y down (REP-103, CameraInfo.msg).";
     if let Some((optical, stated)) = optical_beside(world, frame, limits.optical_deg) {
         let message = format!(
             "`{}` has frame_id `{frame}` instead of the camera's optical frame `{optical}`",
@@ -56,14 +57,16 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             camera.topic
         );
         let finding = Finding::note(subject, message, place).hint().measured(messages);
-        return out.fail(
-            finding
-                .help("rename it to `..._optical_frame` if its z axis points forward; otherwise publish an optical frame"),
-        );
+        return out.fail(finding.help(
+            "rename it to `..._optical_frame` if its z axis points forward; otherwise publish an optical frame",
+        ));
     };
     let measured = Measured::new("vertical component of z", z_up, "1").limit(limits.min_up);
     if z_up > limits.min_up && !has_word(frame, UPWARD_WORDS) {
-        let message = format!("`{}`: z of `{frame}` points up in `{base}`, so it is not an optical frame", camera.topic);
+        let message = format!(
+            "`{}`: z of `{frame}` points up in `{base}`, so it is not an optical frame",
+            camera.topic
+        );
         let finding = Finding::error(subject, message, place)
             .likely()
             .relation("optical")
@@ -71,7 +74,10 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             .help(help);
         out.fail(finding.measured(measured).measured(messages));
     } else if z_up.abs() > limits.min_up {
-        out.too_little(subject, "its z axis is vertical, and the camera may look straight up or down");
+        out.too_little(
+            subject,
+            "its z axis is vertical, and the camera may look straight up or down",
+        );
     } else {
         out.pass(subject, [measured, messages]);
     }

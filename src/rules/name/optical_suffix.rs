@@ -31,9 +31,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     let subject = format!("frame `{frame}`");
     let mounts = mounts(graph, frame, stem);
     let Some(worst) = mounts.iter().max_by(|a, b| off(a).total_cmp(&off(b))) else {
-        return out.too_little(
-            subject, "no rigid transform to a parent is known",
-        );
+        return out.too_little(subject, "no rigid transform to a parent is known");
     };
     let deg = off(worst);
     let measured = Measured::new("rotation from optical axes", deg, "deg")

@@ -75,7 +75,10 @@ fn with_aliases(world: &World, chain: &DeclaredChain) -> DeclaredChain {
     let mut chain = chain.clone();
     for (name, _) in chain.factors.iter_mut().chain(&mut chain.result) {
         for frame in [&mut name.target, &mut name.source] {
-            if let Some(known) = world.conventions.frame_of(world.path(chain.place.source), &FrameId::new(frame.as_str())) {
+            if let Some(known) = world
+                .conventions
+                .frame_of(world.path(chain.place.source), &FrameId::new(frame.as_str()))
+            {
                 known.as_str().clone_into(frame);
             }
         }
@@ -105,12 +108,14 @@ fn is_conjugation(chain: &DeclaredChain) -> bool {
 fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     let subject = format!("`{}`", chain.text.trim());
     if is_backwards && chain.factors.len() > 1 {
-        let why =
-            "all products of this file cancel from right to left: its `T_a_b` takes points from `a` to `b`";
+        let why = "all products of this file cancel from right to left: its `T_a_b` takes points from `a` to `b`";
         return out.not_applicable(subject, why);
     }
     if let Some(unknown) = &chain.not_understood {
-        return out.too_little(subject, format!("`{unknown}` does not name a transform between two frames, as `a_T_b` does"));
+        return out.too_little(
+            subject,
+            format!("`{unknown}` does not name a transform between two frames, as `a_T_b` does"),
+        );
     }
     let (Some((first, _)), Some((last, _))) = (chain.factors.first(), chain.factors.last()) else {
         return;

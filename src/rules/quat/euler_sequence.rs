@@ -53,7 +53,11 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return out.fail(pair.point_at_all(finding));
     }
     let stated = [pair.reference.rpy, pair.other.rpy];
-    if !stated.into_iter().flatten().any(|rpy| angles::is_distinctive(rpy, limits)) {
+    if !stated
+        .into_iter()
+        .flatten()
+        .any(|rpy| angles::is_distinctive(rpy, limits))
+    {
         let why = format!(
             "fewer than two of the angles are more than {} deg off the axes, so another order cannot be distinguished from a rotation by \
              90 deg",
@@ -184,7 +188,10 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
             out.too_little(subject, why);
         }
         (None, _) => {
-            out.not_applicable(subject, "it does not follow the gyro, and no order of its angles explains that");
+            out.not_applicable(
+                subject,
+                "it does not follow the gyro, and no order of its angles explains that",
+            );
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Turn};
+use crate::analysis::axes::sensors::Sensor;
 use crate::analysis::motion::Imu;
 use crate::analysis::quat::ways::{GyroAgreement, Limits};
-use crate::analysis::axes::sensors::Sensor;
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
 
@@ -20,7 +20,13 @@ impl Rule for QuaternionConvention {
     }
 }
 
-fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &GyroAgreement, limits: &Limits, out: &mut Judge) {
+fn judge_turned(
+    (imu, sensor): (&Imu, &Sensor),
+    subject: String,
+    turned: &GyroAgreement,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let windows = turned.windows as u64;
     let measured = [
         Measured::new("residual as published", turned.as_published.residual, "1")

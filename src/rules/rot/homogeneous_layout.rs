@@ -24,9 +24,7 @@ impl Rule for HomogeneousLayout {
                 continue;
             }
             let Some(row) = parts.bottom_row() else {
-                out.not_applicable(
-                    parts.subject(world), "not a 4x4 matrix, so it has no bottom row",
-                );
+                out.not_applicable(parts.subject(world), "not a 4x4 matrix, so it has no bottom row");
                 continue;
             };
             let measured = deviation(row);
@@ -140,8 +138,9 @@ fn wrong_row(world: &World, parts: &Parts, [a, b, c, d]: [f64; 4], measured: Mea
     let is_zero = [a, b, c, d].iter().all(|entry| *entry == 0.0);
     let finding = if is_zero {
         // SLICT and SVO-Pro ship such matrices: their readers use the upper three rows only.
-        Finding::note(parts.subject(world), message, place)
-            .help("write 1 as the last number of the row: a reader that multiplies by the full matrix gets no transform")
+        Finding::note(parts.subject(world), message, place).help(
+            "write 1 as the last number of the row: a reader that multiplies by the full matrix gets no transform",
+        )
     } else {
         Finding::error(parts.subject(world), message, place)
             .help("write 0 0 0 1 as the bottom row, or look for a lost number or another layout")

@@ -71,7 +71,8 @@ impl Review for RotationErrorBudget {
             if beyond == 0 {
                 return out.not_applicable(subject, "no rule measured a rotation error");
             }
-            let why = format!("all rotation errors are beyond {} deg: axes are wrong, not a mounting angle", limits.max_deg);
+            let max_deg = limits.max_deg;
+            let why = format!("all rotation errors are beyond {max_deg} deg: axes are wrong, not a mounting angle");
             return out.not_applicable(subject, why);
         };
         let Some(primary) = finding.places.iter().find(|label| label.role == PlaceRole::Primary) else {

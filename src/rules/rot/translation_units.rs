@@ -66,9 +66,8 @@ impl Rule for TranslationUnits {
                     (true, true) => limits.far_among_many_m,
                     _ => limits.far_m,
                 };
-                let found = against_others(world, source, stated, &pairs, limits).or_else(|| {
-                    by_size(world, source, stated, (usual, far), limits).filter(|_| is_near || !is_spread)
-                });
+                let found = against_others(world, source, stated, &pairs, limits)
+                    .or_else(|| by_size(world, source, stated, (usual, far), limits).filter(|_| is_near || !is_spread));
                 match found {
                     Some(finding) => out.fail(finding),
                     None => right.pass(source, Measured::new("length", stated.norm(), "m").limit(limits.far_m)),
@@ -94,7 +93,13 @@ fn two_longest(group: &[StatedTranslation]) -> (f64, f64) {
 }
 
 /// Certain: another source states the same mounting a thousand or a hundred times shorter.
-fn against_others(world: &World, source: SourceId, stated: &StatedTranslation, pairs: &Pairs, limits: &Limits) -> Option<Finding> {
+fn against_others(
+    world: &World,
+    source: SourceId,
+    stated: &StatedTranslation,
+    pairs: &Pairs,
+    limits: &Limits,
+) -> Option<Finding> {
     let (target, from) = stated.frames.as_ref()?;
     let here = Vector3::from(stated.xyz);
     let others = pairs.others(target, from, source);

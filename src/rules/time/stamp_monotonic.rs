@@ -58,10 +58,7 @@ fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Lim
         out.fail(finding);
     }
     if sound && is_reused {
-        out.not_applicable(
-            stream.subject.clone(),
-            "nearly all messages repeat a stamp",
-        );
+        out.not_applicable(stream.subject.clone(), "nearly all messages repeat a stamp");
     } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
         out.pass(
@@ -112,7 +109,9 @@ fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
 
 /// Of two transforms with one stamp tf2 keeps the first; a replay or another node may get the other.
 fn contradicting(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
-    let StreamSource::Edge(edge) = stream.of else { return None };
+    let StreamSource::Edge(edge) = stream.of else {
+        return None;
+    };
     let found = edge.contradictions.as_ref()?;
     let angle_deg = found.angle_rad.to_degrees();
     if found.distance_m <= limits.contradicts_m && angle_deg <= limits.contradicts_deg {

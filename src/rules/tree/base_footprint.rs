@@ -30,7 +30,8 @@ impl Rule for BaseFootprint {
             }
             let subject = subject(footprint);
             if measured.is_empty() {
-                out.too_little(subject, format!("no transform to `{base}`, and no moving transform from `odom` or `map`"));
+                let why = format!("no transform to `{base}`, and no moving transform from `odom` or `map`");
+                out.too_little(subject, why);
             } else if findings.is_empty() {
                 out.pass(subject, measured);
             }
@@ -60,7 +61,10 @@ fn judge_mount(
     let finding = |message| Finding::warning(subject(footprint), message, mount.place.clone()).likely();
     if mount.yaw_deg > limits.max_yaw_deg {
         let help = "give both the same yaw: base_footprint is base_link without roll, pitch and height (REP-120)";
-        let finding = finding(format!("`{base}` is rotated by {:.1} deg about z of `{footprint}`", mount.yaw_deg));
+        let finding = finding(format!(
+            "`{base}` is rotated by {:.1} deg about z of `{footprint}`",
+            mount.yaw_deg
+        ));
         findings.push(finding.help(help).measured(yaw.clone()));
     }
     if mount.below_m > limits.max_below_m {
@@ -92,10 +96,7 @@ fn judge_tilt(
         let finding = if is_upside_down {
             let message = format!("`{child}` is upside down in `{parent}`: tilted by {deg:.1} deg");
             Finding::warning(subject(footprint), message, place.clone())
-                .detail(
-                    "z of one of the two points down: a forward-right-down body, or a north-east-down world. These data \
-                     cannot distinguish the two.",
-                )
+                .detail("One of the two has z down: an FRD body or an NED world; these data cannot distinguish them.")
                 .help(format!(
                     "publish `{parent}` -> `{child}` with a forward-left-up body in a z-up world (REP-103): `R_flu = R_frd * F` with \
                      F = diag(1, -1, -1) for the body, or `R_enu = P * R_ned` and position (y, x, -z) for the world, where P \
@@ -107,7 +108,8 @@ fn judge_tilt(
                 .detail(format!("The largest tilt is {most:.1} deg."))
                 .help(format!("publish `{parent}` -> `{footprint}` with yaw only, and roll and pitch in the transform to `base_link` (REP-120)"))
         } else {
-            let message = format!("`{footprint}` is fixed to `{child}` and tilts with it in `{parent}`, by {deg:.1} deg");
+            let message =
+                format!("`{footprint}` is fixed to `{child}` and tilts with it in `{parent}`, by {deg:.1} deg");
             Finding::note(subject(footprint), message, place.clone())
                 .detail("The tilt is the 95th percentile.")
                 .help("do not use it as the ground while the vehicle rolls, pitches or climbs")

@@ -51,9 +51,7 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
     let subject = format!("`{parent}` -> `{child}` of {}", world.path(bag.source));
     let steps = &edge.steps;
     if steps.count == 0 {
-        return out.too_little(
-            subject, "it has fewer than two consecutive transforms",
-        );
+        return out.too_little(subject, "it has fewer than two consecutive transforms");
     }
     let enough = steps
         .sample
@@ -87,7 +85,10 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         .collect();
     if jumps.is_empty() {
         if between_windows(bag, edge, limits) {
-            out.too_little(subject, "it changes by more than the limits between the parts of the recording that were read");
+            out.too_little(
+                subject,
+                "it changes by more than the limits between the parts of the recording that were read",
+            );
         } else if takes_turns(steps) {
             let why = "two publishers alternate with different values, so its steps are not corrections";
             out.not_applicable(subject, why);
@@ -139,7 +140,11 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
     let largest = |of: fn(&Jump) -> f64| jumps.iter().map(|jump| of(jump)).fold(0.0, f64::max);
     let message = format!(
         "`{parent}` -> `{child}` jumps {}, and moves the vehicle by up to {:.2} m and {:.1} deg",
-        if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
+        if jumps.len() == 1 {
+            "once".to_owned()
+        } else {
+            format!("{} times", jumps.len())
+        },
         largest(|jump| jump.m),
         largest(|jump| jump.deg),
     );

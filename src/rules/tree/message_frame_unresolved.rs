@@ -24,7 +24,8 @@ impl Rule for MessageFrameUnresolved {
             // The TF of another recording in the same folder may be of another robot.
             let strange = bag.tf.is_empty() && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
-                let why = "no TF was recorded, and no frame of the messages is in the tree: record `/tf` and `/tf_static`";
+                let why =
+                    "no TF was recorded, and no frame of the messages is in the tree: record `/tf` and `/tf_static`";
                 out.too_little(subject_of(world, bag), why);
                 continue;
             }
@@ -85,12 +86,14 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[BagFrameUse], context
     }
     if context.tree.contains(frame) {
         // tf2 knows no URDF: where there is TF, consumers of sensor data depend on it.
-        let is_blind = main.kind == HeaderUse::Sensor && !context.recorded.is_empty() && !context.recorded.contains(frame);
+        let is_blind =
+            main.kind == HeaderUse::Sensor && !context.recorded.is_empty() && !context.recorded.contains(frame);
         if !is_blind {
             return out.pass(subject, [messages]);
         }
         if bag.truncated || !bag.share.whole {
-            return out.too_little(subject, "it is in the URDF, but its transform may be in the part of TF that was not read");
+            let why = "it is in the URDF, but its transform may be in the part of TF that was not read";
+            return out.too_little(subject, why);
         }
         let message = format!(
             "`{frame}` is in the URDF but not in TF; {count} messages on `{}` use it",
@@ -138,11 +141,17 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[BagFrameUse], context
     let (absent, detail) = if context.has_tf {
         ("not in TF or any URDF", "Look-ups in tf2 fail (LookupException).")
     } else {
-        ("not a link of the URDF", "No TF was recorded: something else may have published the frame.")
+        (
+            "not a link of the URDF",
+            "No TF was recorded: something else may have published the frame.",
+        )
     };
     let message = format!("`{frame}` is {absent}, but is the frame of {count} messages");
     let detail = format!("The messages are on {}. {detail}", shown.join(", "));
-    let near = context.index.get_or_init(|| Names::new(context.tree)).nearest(frame, Reach::SUGGESTION);
+    let near = context
+        .index
+        .get_or_init(|| Names::new(context.tree))
+        .nearest(frame, Reach::SUGGESTION);
     let help = match &near {
         Some(near) => format!(
             "use `{}` if that is meant; otherwise publish the transform that mounts `{frame}`",
@@ -179,7 +188,10 @@ fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &
     {
         return;
     }
-    let message = format!("TF contains `{}`, but no frame that is named like a vehicle's base", root.parent);
+    let message = format!(
+        "TF contains `{}`, but no frame that is named like a vehicle's base",
+        root.parent
+    );
     let place = Place::message(bag.source, root.first_at.clone());
     let finding = Finding::warning(subject_of(world, bag), message, place)
         .hint()

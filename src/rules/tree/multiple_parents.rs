@@ -51,7 +51,9 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
         file = file.or_else(|| edge.source(world));
         let child = &edge.child;
         // A frame that is its own parent is TREE04's; two publishers of one transform are AUTH01's.
-        let others = launched.edges_to(child).filter(|other| other.parent != edge.parent && other.parent != *child);
+        let others = launched
+            .edges_to(child)
+            .filter(|other| other.parent != edge.parent && other.parent != *child);
         let other = others.min_by_key(|other| other.origin);
         let (Some(other), Some(place)) = (other.filter(|_| edge.parent != *child), places::of_edge(world, edge)) else {
             continue;
@@ -61,19 +63,30 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             continue;
         }
         failed = true;
-        let message = format!("`{child}` is published under `{}`, but already has the parent `{}`", edge.parent, other.parent);
+        let message = format!(
+            "`{child}` is published under `{}`, but already has the parent `{}`",
+            edge.parent, other.parent
+        );
         let mut finding = Finding::error(format!("frame `{child}`"), message, place)
             .likely()
             .confidence(published_reading(world, edge))
             .confidence(published_reading(world, other))
             .label(format!("makes `{}` the parent of `{child}`", edge.parent))
-            .help("remove one of the two, or publish the transform to the root of the other tree: a frame has one parent")
+            .help(
+                "remove one of the two, or publish the transform to the root of the other tree: a frame has one parent",
+            )
             .measured(Measured::count("parents", 2).limit(1.0));
         if let Some(place) = places::of_edge(world, other) {
             finding = finding.related(place, format!("makes `{}` its parent", other.parent));
         }
-        let closes = [edge, other].iter().any(|edge| closing.contains(&(child.clone(), edge.parent.clone())));
-        out.fail(if closes { finding.unless_about(codes::TREE03, format!("{child}`")) } else { finding });
+        let closes = [edge, other]
+            .iter()
+            .any(|edge| closing.contains(&(child.clone(), edge.parent.clone())));
+        out.fail(if closes {
+            finding.unless_about(codes::TREE03, format!("{child}`"))
+        } else {
+            finding
+        });
     }
     if let (false, Some(file)) = (failed, file) {
         let several = Measured::count("frames with more than one parent", 0).limit(0.0);
@@ -190,12 +203,18 @@ fn judge_child(
     let subject = format!("frame `{child}`");
     let listed = tf::listed(parents);
     let finding = if is_latched {
-        let message = format!("`{child}` has {} parents in TF ({listed}), at least one of them latched", parents.len());
+        let message = format!(
+            "`{child}` has {} parents in TF ({listed}), at least one of them latched",
+            parents.len()
+        );
         Finding::error(subject, message, place)
             .detail("A listener keeps the parent that it received last.")
             .help("publish one parent only; the wrong one must not be latched, since a latched transform cannot be withdrawn")
     } else if is_fight {
-        let message = format!("`{child}` switches {switches} times between {} parents in TF ({listed})", parents.len());
+        let message = format!(
+            "`{child}` switches {switches} times between {} parents in TF ({listed})",
+            parents.len()
+        );
         Finding::error(subject, message, place)
             .detail(
                 "Two broadcasters publish the frame. tf2 stores transforms by child, and does not interpolate across a \
@@ -203,7 +222,11 @@ fn judge_child(
             )
             .help("find the second broadcaster and stop it: often a driver and a filter both publish odometry")
     } else {
-        let times = if switches == 1 { "once".to_owned() } else { format!("{switches} times") };
+        let times = if switches == 1 {
+            "once".to_owned()
+        } else {
+            format!("{switches} times")
+        };
         let message = format!("`{child}` changes its parent {times} in TF ({listed})");
         Finding::note(subject, message, place)
             .help("check that the frame is moved on purpose; look-ups across the change return the older parent")

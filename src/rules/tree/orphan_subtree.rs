@@ -58,7 +58,12 @@ impl Rule for OrphanSubtree {
             looping,
             names,
         };
-        let cut_off: BTreeSet<SourceId> = world.bags.iter().filter(|bag| bag.truncated).map(|bag| bag.source).collect();
+        let cut_off: BTreeSet<SourceId> = world
+            .bags
+            .iter()
+            .filter(|bag| bag.truncated)
+            .map(|bag| bag.source)
+            .collect();
         let in_cut_off = world.frames.iter().filter(|used| cut_off.contains(&used.place.source));
         let in_cut_off: BTreeSet<FrameId> = in_cut_off.map(|used| used.frame.canonical()).collect();
         for (index, orphan) in components.iter().enumerate() {
@@ -90,8 +95,14 @@ fn judge_recorded(world: &World, out: &mut Judge) {
     }
     // Of recorded trees, the platform's own is the main one.
     let is_standard = |component: &Component| component.members.iter().any(|frame| names::standard(frame).is_some());
-    let main = components.iter().position(is_standard).unwrap_or_else(|| main_component(world, &components));
-    let Some(home) = components.get(main).and_then(|main| main.roots.first().or(main.members.first())) else {
+    let main = components
+        .iter()
+        .position(is_standard)
+        .unwrap_or_else(|| main_component(world, &components));
+    let Some(home) = components
+        .get(main)
+        .and_then(|main| main.roots.first().or(main.members.first()))
+    else {
         return;
     };
     let whole = world.graph();
@@ -111,7 +122,10 @@ fn judge_recorded(world: &World, out: &mut Judge) {
             .frames
             .iter()
             .any(|used| used.role == FrameRole::Header && orphan.members.contains(&used.frame.canonical()));
-        let message = format!("TF does not connect `{root}` to `{home}`; only joint `{}` of the URDF does", joint.label);
+        let message = format!(
+            "TF does not connect `{root}` to `{home}`; only joint `{}` of the URDF does",
+            joint.label
+        );
         let subject = format!("recorded subtree `{root}`");
         let severity = if is_used { Severity::Error } else { Severity::Warning };
         let finding = Finding::new(severity, subject, message, place)
@@ -145,11 +159,7 @@ fn named_by_wholes(world: &World) -> Option<BTreeSet<FrameId>> {
 }
 
 fn judge_orphan(world: &World, orphan: &Component, main: &Component, around: &Surroundings<'_>, out: &mut Judge) {
-    let Surroundings {
-        trees,
-        looping,
-        names,
-    } = around;
+    let Surroundings { trees, looping, names } = around;
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };

@@ -84,9 +84,11 @@ fn at_edge(world: &World, frame: &FrameId, is_error: bool, message: String) -> O
 fn reversed(world: &World, frame: &FrameId, above: &FrameId) -> Option<Finding> {
     let message = format!("`{frame}` is below `{above}`; REP-105 requires earth -> map -> odom -> base_link");
     let finding = at_edge(world, frame, true, message)?;
-    Some(finding.label(format!("places `{frame}` below `{above}`")).help(format!(
-        "publish the inverse transform, with `{frame}` as the parent"
-    )))
+    Some(
+        finding
+            .label(format!("places `{frame}` below `{above}`"))
+            .help(format!("publish the inverse transform, with `{frame}` as the parent")),
+    )
 }
 
 fn past_odom(

@@ -31,10 +31,7 @@ impl Rule for TfCycle {
 }
 
 fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judge) {
-    let sources: BTreeSet<SourceId> = steps
-        .iter()
-        .filter_map(|edge| edge.source(world))
-        .collect();
+    let sources: BTreeSet<SourceId> = steps.iter().filter_map(|edge| edge.source(world)).collect();
     // The cycle lists each frame before its parent; it is shown from parent to child.
     let mut names: Vec<String> = cycle.iter().rev().map(|frame| format!("`{frame}`")).collect();
     if let Some(first) = names.first().cloned() {
@@ -47,7 +44,10 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         (format!("{chain} is a loop of {} frames", cycle.len()), why.to_owned())
     } else {
         let first = names.first().map_or("?", String::as_str);
-        (format!("{first} is its own ancestor, in a loop of {} frames", cycle.len()), format!("{chain}. {why}"))
+        (
+            format!("{first} is its own ancestor, in a loop of {} frames", cycle.len()),
+            format!("{chain}. {why}"),
+        )
     };
     let mut at: Vec<(&&Edge, Place)> = steps
         .iter()
@@ -55,7 +55,11 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         .collect();
     // A published transform, or else the one that was written last, closed the loop.
     let rank = |(edge, place): &(&&Edge, Place)| {
-        (matches!(place.at, SourcePart::Message(_)), edge.is_published(), place.clone())
+        (
+            matches!(place.at, SourcePart::Message(_)),
+            edge.is_published(),
+            place.clone(),
+        )
     };
     let last = (0..at.len()).max_by_key(|index| at.get(*index).map(rank));
     let Some((first, place)) = last.map(|index| at.remove(index)) else {
@@ -71,5 +75,7 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
     }
     // Sources that contradict each other may never have been used together.
     let finding = if sources.len() > 1 { finding.likely() } else { finding };
-    out.fail(steps.iter().fold(finding, |finding, edge| finding.confidence(published_reading(world, edge))));
+    out.fail(steps.iter().fold(finding, |finding, edge| {
+        finding.confidence(published_reading(world, edge))
+    }));
 }

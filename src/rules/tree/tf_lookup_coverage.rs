@@ -60,10 +60,15 @@ fn judge_topic(
     let mut frames: Vec<FrameId> = topic.header_frames.keys().map(FrameId::canonical).collect();
     frames.dedup();
     let [frame] = frames.as_slice() else {
-        return Err(not_ours(format!("its messages have {} different frame_ids", frames.len())));
+        return Err(not_ours(format!(
+            "its messages have {} different frame_ids",
+            frames.len()
+        )));
     };
     if names::is_world(frame) {
-        return Err(not_ours(format!("its frame `{frame}` is a world frame, not a sensor's")));
+        return Err(not_ours(format!(
+            "its frame `{frame}` is a world frame, not a sensor's"
+        )));
     }
     if let Some(child) = refused(bag, frame) {
         return Err(not_ours(format!("tf2 rejects every transform of `{child}`")));
@@ -111,7 +116,11 @@ fn judge_topic(
 /// The frame, or an ancestor, of which tf2 accepts no transform at all.
 fn refused(bag: &BagEvidence, frame: &FrameId) -> Option<FrameId> {
     let edges = tf::by_child(bag);
-    let is_refused = |at: &FrameId| edges.get(at).is_some_and(|above| above.iter().all(|edge| edge.samples.is_empty()));
+    let is_refused = |at: &FrameId| {
+        edges
+            .get(at)
+            .is_some_and(|above| above.iter().all(|edge| edge.samples.is_empty()))
+    };
     tf::upward(&edges, frame).find(is_refused)
 }
 

@@ -66,10 +66,13 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let known: Vec<&Step> = steps.sample.iter().filter(is_known).collect();
     let rate = Rate::of(&known).filter(|_| known.len() >= limits.min_steps && steps.moving >= limits.min_moving);
     let Some(rate) = rate else {
-        return out.too_little(subject, format!(
-            "{} steps, {} of them moving: {} and {} are needed",
-            steps.count, steps.moving, limits.min_steps, limits.min_moving
-        ));
+        return out.too_little(
+            subject,
+            format!(
+                "{} steps, {} of them moving: {} and {} are needed",
+                steps.count, steps.moving, limits.min_steps, limits.min_moving
+            ),
+        );
     };
     let undone = steps.undone as f64 / steps.count.max(1) as f64;
     if undone > limits.max_undone {

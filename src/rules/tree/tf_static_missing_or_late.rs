@@ -33,7 +33,10 @@ impl Rule for TfStaticMissingOrLate {
             ];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {
-                out.too_little(subject.as_str(), "a part of the recording was not read, so a missing transform proves nothing");
+                out.too_little(
+                    subject.as_str(),
+                    "a part of the recording was not read, so a missing transform proves nothing",
+                );
             } else if missing.is_none() && findings.is_empty() {
                 let latched = bag.tf.iter().filter(|edge| edge.is_static).count();
                 let faults = Measured::count("missing, late or volatile", 0).limit(0.0);
@@ -69,7 +72,11 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
     let (_, joint) = missing.first()?;
     let needed = tf::sensor_frames(bag).map(|(frame, _, _)| frame);
     let children = tf::by_child(bag);
-    let hangs_on_one = |frame: &FrameId| tf::upward(&children, frame).last().is_some_and(|root| names.contains(&root));
+    let hangs_on_one = |frame: &FrameId| {
+        tf::upward(&children, frame)
+            .last()
+            .is_some_and(|root| names.contains(&root))
+    };
     let blind: BTreeSet<FrameId> = needed.filter(hangs_on_one).collect();
     let message = match names.len() {
         1 => "1 fixed joint of the URDF is missing from TF".to_owned(),
@@ -80,7 +87,10 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
         Finding::warning(subject, message, joint.place.clone()).detail(links)
     } else {
         let message = format!("{message}, but needed by sensor data");
-        let detail = format!("{links} Sensor frames without a mounting transform: {}.", tf::listed(&blind));
+        let detail = format!(
+            "{links} Sensor frames without a mounting transform: {}.",
+            tf::listed(&blind)
+        );
         Finding::error(subject, message, joint.place.clone()).detail(detail)
     };
     let finding = finding

@@ -8,9 +8,12 @@ mod undefined_links;
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::{spelling::loose, tf};
 use crate::analysis::near::Names;
-use crate::rules::{prelude::*, tree::urdf_structure::undefined_links::{MOST_SHOWN, undefined}};
+use crate::analysis::{spelling::loose, tf};
+use crate::rules::{
+    prelude::*,
+    tree::urdf_structure::undefined_links::{MOST_SHOWN, undefined},
+};
 use crate::world::{FrameId, Robot, robot::Link};
 
 pub(crate) struct UrdfStructure;
@@ -29,7 +32,10 @@ impl Rule for UrdfStructure {
             let is_xacro = world.path(robot.source).to_lowercase().ends_with(".xacro");
             // Properties, materials and the like, or the empty default of an optional include.
             if robot.links.is_empty() && robot.joints.is_empty() && (is_xacro || robot.name.value.is_empty()) {
-                out.not_applicable(subject, "it has neither links nor joints: probably a file that others include");
+                out.not_applicable(
+                    subject,
+                    "it has neither links nor joints: probably a file that others include",
+                );
                 continue;
             }
             let mut is_right = true;
@@ -148,7 +154,10 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, ex
         let message = format!("the robot has {} root links instead of one", names.len());
         let mut finding = Finding::error(subject, message, second.place.clone())
             .label("no joint has this link as its child")
-            .detail(format!("The roots are {}. URDF parsers reject a file with two roots.", tf::listed(&names)))
+            .detail(format!(
+                "The roots are {}. URDF parsers reject a file with two roots.",
+                tf::listed(&names)
+            ))
             .help("add the joints that mount all but one of them")
             .measured(Measured::count("root links", names.len()).limit(1.0))
             .related(first.place.clone(), "the first root");

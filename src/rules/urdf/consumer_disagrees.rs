@@ -30,9 +30,7 @@ impl Rule for ConsumerDisagrees {
                 ConsumerOpinion::Loads(joints) => judge_loaded(world, robot, joints, limits, out),
                 ConsumerOpinion::Refuses(why) => out.fail(refused(world, robot, why)),
                 ConsumerOpinion::NotAsked(why) => {
-                    out.missing(
-                        crate::analysis::urdf::called::robot(world, robot), why,
-                    );
+                    out.missing(crate::analysis::urdf::called::robot(world, robot), why);
                 }
             }
         }

@@ -37,7 +37,8 @@ impl Rule for MalformedNumber {
             }
             if let Some(first) = macros.first() {
                 out.missing(
-                    crate::analysis::urdf::called::robot(world, robot), format!(
+                    crate::analysis::urdf::called::robot(world, robot),
+                    format!(
                         "{} attributes contain macros, the first `{}`: expand the file with xacro",
                         macros.len(),
                         first.text.value
@@ -81,7 +82,9 @@ fn finding(world: &World, robot: &Robot, list: &NumberList) -> Finding {
     let mut finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
     if list.literals.len() != list.expected && list.literals.iter().all(|literal| literal.value.is_finite()) {
         let count = format!("{} numbers, {} needed", list.literals.len(), list.expected);
-        finding = finding.label(count).help(format!("write exactly {} numbers", list.expected));
+        finding = finding
+            .label(count)
+            .help(format!("write exactly {} numbers", list.expected));
     }
     let edits = respaced(list).and_then(|text| {
         let edit = replace(world, list.text.place.clone(), &list.text.value, text);

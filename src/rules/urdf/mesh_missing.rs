@@ -70,7 +70,10 @@ fn finding(
     let message = match missing.len() {
         n if !is_slip => format!("none of the {n} meshes of robot `{}` has its file", robot.name.value),
         1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
-        n => format!("{n} mesh files do not exist, the first is that of `{}`", link.name.value),
+        n => format!(
+            "{n} mesh files do not exist, the first is that of `{}`",
+            link.name.value
+        ),
     };
     let file = &first.filename.value;
     let detail = match missing.len() - 1 {
@@ -85,7 +88,10 @@ fn finding(
         .help("correct the path (it is case-sensitive), or add the file; packages are searched in the input and around the URDF")
         .measured(Measured::count("missing meshes", missing.len()).limit(0.0));
     for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
-        finding = finding.related(mesh.filename.place.clone(), format!("no such file, link `{}`", link.name.value));
+        finding = finding.related(
+            mesh.filename.place.clone(),
+            format!("no such file, link `{}`", link.name.value),
+        );
     }
     Some(finding)
 }

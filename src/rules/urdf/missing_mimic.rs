@@ -21,7 +21,11 @@ impl Rule for MissingMimic {
                 subject::nothing(world, robot, "joint that mimics another", out);
                 continue;
             }
-            let names: Vec<FrameId> = robot.joints.iter().map(|joint| joint.name.value.as_str().into()).collect();
+            let names: Vec<FrameId> = robot
+                .joints
+                .iter()
+                .map(|joint| joint.name.value.as_str().into())
+                .collect();
             let index = Names::new(&names);
             let mut joints: BTreeMap<&str, usize> = BTreeMap::new();
             let mut folded: BTreeMap<String, &str> = BTreeMap::new();

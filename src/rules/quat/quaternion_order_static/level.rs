@@ -119,9 +119,7 @@ fn judge_tilts(
                 .help(format!(
                     "publish the quaternion on `{topic}` as x, y, z, w: the scalar comes last"
                 ));
-            out.fail(better(
-                finding.measured(tilts.measured(limits)),
-            ));
+            out.fail(better(finding.measured(tilts.measured(limits))));
         }
     }
 }
