@@ -42,6 +42,7 @@ fn main() -> Outcome<()> {
             fs::copy(&path, out.join("src/pictures").join(name))?;
         }
     }
+    copied(&root.join("schema"), &out.join("src/schema"))?;
     fs::create_dir_all(out.join("src/rules"))?;
     for entry in RULES {
         let file = out.join("src/rules").join(file_of(entry.page));
@@ -78,6 +79,7 @@ fn completed(text: &str) -> Outcome<String> {
             let _ = writeln!(out, "```text\n$ {call}\n{}```", output(call)?);
         } else if let Some(file) = mark("<!-- schema:", "-->") {
             let text = fs::read_to_string(Path::new("schema").join(file))?;
+            let _ = writeln!(out, "The schema as a file: [{file}](schema/{file}).\n");
             schema(&serde_json::from_str(&text)?, &mut out);
         } else if let Some(file) = mark("{{#include ../../", "}}") {
             out.push_str(&linked(&fs::read_to_string(file)?, file));

@@ -55,6 +55,12 @@ pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, findi
     }
 }
 
+/// The finding, unless the track that it compares with is itself mirrored, because latitude and longitude are swapped.
+pub(crate) fn unless_swapped(track: &str, finding: Finding) -> Finding {
+    let track = track.trim_start_matches("topic ");
+    finding.unless_about(codes::AXES07, format!("{track}: latitude and longitude are swapped"))
+}
+
 /// The rule of a measurement.
 pub(crate) fn rule_of(aspect: Aspect) -> RuleCode {
     match aspect {

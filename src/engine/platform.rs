@@ -145,7 +145,16 @@ struct Clusters {
 }
 
 fn clusters(members: Vec<Member>, recorded: &BTreeSet<PathBuf>) -> Clusters {
-    let (fragments, members): (Vec<_>, Vec<_>) = members.into_iter().partition(is_fragment);
+    let (fragments, mut members): (Vec<_>, Vec<_>) = members.into_iter().partition(is_fragment);
+    // Macros and properties alone are no robot: beside one they belong to it.
+    let has_robot = members.iter().any(is_robot);
+    let (macros, fragments): (Vec<_>, Vec<_>) = fragments
+        .into_iter()
+        .partition(|fragment| has_robot && fragment.facts.robots.iter().all(crate::world::Robot::is_empty));
+    members.extend(macros.into_iter().map(|mut macros| {
+        macros.facts.robots.clear();
+        macros
+    }));
     let (robots, others): (Vec<_>, Vec<_>) = members.into_iter().partition(is_robot);
     let root = common_folder(
         robots

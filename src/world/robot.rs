@@ -247,3 +247,17 @@ pub struct Robot {
     /// Set where only a part could be read (an unexpanded xacro): structure rules cannot judge it.
     pub fragment: Option<String>,
 }
+
+impl Robot {
+    /// Whether nothing was read of it: no link, no joint, and nothing that consumers read otherwise.
+    pub fn is_empty(&self) -> bool {
+        let parts = [
+            self.links.len(),
+            self.joints.len(),
+            self.malformed.len(),
+            self.ignored.len(),
+            self.repeated.len(),
+        ];
+        parts.iter().all(|count| *count == 0)
+    }
+}

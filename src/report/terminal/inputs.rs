@@ -190,7 +190,7 @@ pub(super) fn judged_apart(run: &Run, style: Style, out: &mut String) {
         more => format!(" and {more} more"),
     };
     let words = format!(
-        "{}{more}: their files are not compared with each other; to compare them, check the folder above them instead",
+        "{}{more}: their files are not compared with each other; files of one robot are compared if they are in one folder",
         named.join(", ")
     );
     let _ = writeln!(out, "{}\n", wrap(&words, style.width, "  ", "  "));

@@ -1,6 +1,6 @@
 //! AXES05: the gyro's yaw rate compared with the turns of the track.
 
-use crate::advice::diagnosis::{explain, judge_each};
+use crate::advice::diagnosis::{explain, judge_each, unless_swapped};
 use crate::analysis::axes::causes::{Aspect, Sense};
 use crate::analysis::axes::gyro_vs_track::{GyroFit, Limits};
 use crate::analysis::axes::sensors::Sensor;
@@ -55,7 +55,7 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &GyroFi
             .detail(detail),
         otherwise,
     );
-    let finding = finding.related(turned.track_at.clone(), TRACK);
+    let finding = unless_swapped(&turned.track, finding.related(turned.track_at.clone(), TRACK));
     // The simulator's poses may be the left-handed ones.
     let finding = if sensor.sense_is_against_a_simulator() {
         finding.unless(codes::SENSOR09)

@@ -1,6 +1,6 @@
 //! AXES04: sense and zero of the yaw of an orientation.
 
-use crate::advice::diagnosis::{defer, explain};
+use crate::advice::diagnosis::{defer, explain, unless_swapped};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::axes::yaw_vs_course::{HeadingFit, apart_deg, is_upright};
 use crate::analysis::motion::{Imu, Motion};
@@ -79,7 +79,7 @@ fn clockwise(imu: &Imu, subject: &str, decided: &HeadingFit, diagnosis: &Diagnos
         .detail(format!("Compared from {from:.0} to {to:.0} s. {zero}"))
         .relation("clockwise-yaw");
     let finding = explain(diagnosis, imu, Aspect::Heading, finding, otherwise).related(decided.track_at.clone(), TRACK);
-    finding.measured(decided.measured(limits))
+    unless_swapped(&decided.track, finding).measured(decided.measured(limits))
 }
 
 /// Zero of a yaw with the right sense.

@@ -2,7 +2,9 @@
 
 use crate::analysis::cross::direction::{DirectionFit, Limits, Reading, look};
 use crate::analysis::lidar::Clouds;
+use crate::analysis::places;
 use crate::rules::prelude::*;
+use crate::world::World;
 
 pub(crate) struct ExtrinsicDirection;
 
@@ -14,29 +16,36 @@ impl Rule for ExtrinsicDirection {
         Clouds::say_packets(world, "direction of the mounting", out);
         for clouds in Clouds::scanners(world) {
             match look(world, &clouds, limits) {
-                Ok(seen) => judge_seen(&clouds, &seen, limits, out),
+                Ok(seen) => judge_seen(world, &clouds, &seen, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("direction of the mounting"), reason, why),
             }
         }
     }
 }
 
-fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut Judge) {
+fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("direction of the mounting");
     let (published, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
+    let is_inverted = seen.decided == Some(Reading::Inverse);
+    // The limit is one of the reading that is right.
+    let residual = |what: &str, value: f64, is_right: bool| {
+        let measured = Measured::new(format!("residual of the motions, {what}"), value, "m").samples(seen.pairs as u64);
+        if is_right {
+            measured.limit(limits.max_residual_m)
+        } else {
+            measured
+        }
+    };
     let measured = [
-        Measured::new("residual of the motions, as published", published, "m")
-            .limit(limits.max_residual_m)
-            .samples(seen.pairs as u64),
-        Measured::new("residual of the motions, inverted", inverse, "m"),
+        residual("as stated", published, !is_inverted),
+        residual("inverted", inverse, is_inverted),
     ];
     let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
     match seen.decided {
         Some(Reading::AsPublished) => out.pass(subject, measured),
         Some(Reading::Inverse) => {
-            let message = format!(
-                "`{name}` is inverted: residual {published:.2} m as published, {inverse:.2} m with its inverse"
-            );
+            let message =
+                format!("`{name}` is inverted: residual {published:.2} m as stated, {inverse:.2} m with its inverse");
             let finding = Finding::error(subject, message, clouds.place())
                 .likely()
                 .detail(format!(
@@ -45,13 +54,13 @@ fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut J
                 ))
                 .relation("inverse")
                 .related(seen.known.poses.1.clone(), "motion of the body")
-                .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`")
+                .help("invert the transform where it is stated: a joint, or a transform of TF, is the pose of the child in its parent")
                 .prefers(
                     seen.known.body.to_string(),
                     seen.known.lidar.to_string(),
                     seen.known.stated.inverse(),
                 );
-            out.fail(finding.measured(measured));
+            out.fail(stated(world, seen, finding.measured(measured)));
         }
         Some(_) => {
             out.not_applicable(
@@ -71,4 +80,14 @@ fn judge_seen(clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut J
             out.too_little(subject, why);
         }
     }
+}
+
+/// The finding with the places of the transforms between body and lidar.
+fn stated(world: &World, seen: &DirectionFit, finding: Finding) -> Finding {
+    let graph = world.graph();
+    let chain = graph.chain(&seen.known.body, &seen.known.lidar, |edge| edge.is_rigid);
+    let steps = chain.map(|(_, steps)| steps).unwrap_or_default();
+    let edges = steps.iter().filter_map(|step| graph.edges.get(step.edge));
+    let places = edges.filter_map(|edge| places::of_numbers(world, edge));
+    places.fold(finding, |finding, place| finding.related(place, "stated here"))
 }

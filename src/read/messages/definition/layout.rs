@@ -15,7 +15,7 @@ pub enum Layout {
 }
 
 impl Schema {
-    /// Compares a type with the published one, field by field: names, forms and how often. At the end of the message
+    /// Compares a type with the published one, field by field: names (ROS 2 has made `D`, `K`, `R`, `P` of a camera lower case), forms and how often. At the end of the message
     /// itself there may be more fields; inside of it, a type has exactly the published ones.
     pub fn layout(&self, published: &Self, wire: Wire) -> Layout {
         self.layout_of(0, published, wire)
@@ -52,7 +52,7 @@ impl Schema {
                     (Kind::Unsupported(_), _) => false,
                     (ours, theirs) => ours == theirs,
                 };
-                if !same_kind || field.count != other.count || field.name != other.name {
+                if !same_kind || field.count != other.count || !field.name.eq_ignore_ascii_case(&other.name) {
                     return Layout::Different;
                 }
             }

@@ -155,6 +155,12 @@ fn a_layout_is_the_published_one_up_to_what_follows() {
     ] {
         assert_eq!(of(changed, Wire::Cdr), Layout::Different, "{changed}");
     }
+    let camera = Schema::published("sensor_msgs/CameraInfo").unwrap();
+    let ros1 = "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] D\nfloat64[9] K\nfloat64[9] R\nfloat64[12] P\n\
+                uint32 binning_x\nuint32 binning_y\nRegionOfInterest roi\n";
+    let ros1 = format!("{ros1}{RULE}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n");
+    let read = link("sensor_msgs/CameraInfo", &ros1, "ros1msg");
+    assert_eq!(read.layout(&camera, Wire::Ros1), Layout::Published);
     for quaternion in [
         "float64 w\nfloat64 x\nfloat64 y\nfloat64 z\n",
         "float32 x\nfloat32 y\nfloat32 z\nfloat32 w\n",
