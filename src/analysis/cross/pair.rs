@@ -134,7 +134,7 @@ impl Pair {
     /// The sentence that says which transform both state.
     pub(crate) fn frames_stated(&self) -> String {
         format!(
-            "Both state the transform `{}` from `{}`.",
+            "Both state `{}` from `{}`, the transform that takes points of the second frame to the first.",
             self.reference.target, self.reference.source_frame
         )
     }

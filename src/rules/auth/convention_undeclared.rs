@@ -61,7 +61,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         n => format!("the configuration declares the conventions of other topics, but not of {n} topics"),
     };
     let help = format!(
-        "if they follow the conventions of ROS, declare that under `conventions:`:\n{}",
+        "add to `conventions:` in frames-lint.yaml, if they follow the conventions of ROS:\n{}",
         lines.join("\n")
     );
     let finding = Finding::note(subject, message, Place::whole(bag.source))

@@ -73,7 +73,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .detail(detail)
         .related(known.poses.1.clone(), "motion compared with")
         .help(format!(
-            "rotate the mounting by {:+.1} deg about z of `{}` (multiply from the left of the existing rotation)",
+            "rotate the mounting transform by {:+.1} deg about z of `{}` (multiply from the left)",
             yaw.off_deg, known.body
         ))
         .unless(codes::CROSS04);
@@ -85,5 +85,5 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         Some(Origin::Driver) => finding.unless(codes::SENSOR04),
         None => finding,
     };
-    out.fail(finding.measured(measured));
+    out.fail(known.stated_at(world, finding.measured(measured)));
 }

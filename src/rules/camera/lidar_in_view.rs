@@ -94,7 +94,7 @@ fn judge_shown(
             };
             let message = format!("`{frame}` {looks}: {}", first.text());
             let detail = format!(
-                "Of the points on `{topic}`, {:.1} % are in its image. Corrected, the image is upright over their ground and has {:.1} %.{others}",
+                "As published, {:.1} % of the points on `{topic}` are in its image; corrected, {:.1} %, and the image is upright over the ground.{others}",
                 100.0 * shown.share,
                 100.0 * share
             );

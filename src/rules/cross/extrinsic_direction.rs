@@ -2,7 +2,6 @@
 
 use crate::analysis::cross::direction::{DirectionFit, Limits, Reading, look};
 use crate::analysis::lidar::Clouds;
-use crate::analysis::places;
 use crate::rules::prelude::*;
 use crate::world::World;
 
@@ -60,7 +59,7 @@ fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limi
                     seen.known.lidar.to_string(),
                     seen.known.stated.inverse(),
                 );
-            out.fail(stated(world, seen, finding.measured(measured)));
+            out.fail(seen.known.stated_at(world, finding.measured(measured)));
         }
         Some(_) => {
             out.not_applicable(
@@ -80,14 +79,4 @@ fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limi
             out.too_little(subject, why);
         }
     }
-}
-
-/// The finding with the places of the transforms between body and lidar.
-fn stated(world: &World, seen: &DirectionFit, finding: Finding) -> Finding {
-    let graph = world.graph();
-    let chain = graph.chain(&seen.known.body, &seen.known.lidar, |edge| edge.is_rigid);
-    let steps = chain.map(|(_, steps)| steps).unwrap_or_default();
-    let edges = steps.iter().filter_map(|step| graph.edges.get(step.edge));
-    let places = edges.filter_map(|edge| places::of_numbers(world, edge));
-    places.fold(finding, |finding, place| finding.related(place, "stated here"))
 }

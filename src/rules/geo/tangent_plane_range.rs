@@ -137,7 +137,10 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
                     "The heights of the poses do not show whether their z is altitude or height over the plane.",
                 )
             } else {
-                ("differs", "The tangent plane is above the ellipsoid there.")
+                (
+                    "differs",
+                    "The tangent plane is above the ellipsoid there: its z is no altitude.",
+                )
             };
             let message = format!(
                 "{}: z {differs} from altitude by {departure_m:.2} m, {km:.1} km from the origin",
@@ -145,7 +148,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
             );
             Finding::note(plane.subject, message, plane.place.clone())
                 .relation("tangent-plane")
-                .detail(detail)
+                .detail(format!("{who} is that far out. {detail}"))
                 .help(CONVERT)
         }
         _ if departure_m > limits.max_departure_m && is_open => {

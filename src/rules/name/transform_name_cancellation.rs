@@ -210,7 +210,7 @@ fn judge_doubts(world: &World, out: &mut Judge) {
             claim.place.clone(),
         )
         .hint()
-        .detail(doubt)
+        .detail(format!("Read so, it takes points of `{source}` to `{target}`. Doubt: {doubt}."))
         .help(format!(
             "state the direction in frames-lint.yaml: transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]",
             claim.label

@@ -53,7 +53,11 @@ fn identity(world: &World, mounting: &Mounting) -> Finding {
     Finding::warning(subject(world, mounting), message, mounting.place.clone())
         .hint()
         .label("identity")
-        .help("write the measured mounting transform; if the two frames coincide by design, add a waiver of this rule to frames-lint.yaml")
+        .help(format!(
+            "write the measured mounting transform; if the two frames coincide by design, accept it in frames-lint.yaml: \
+             `waivers: [{{rule: {}, subject: '*{}*', reason: ...}}]`",
+            codes::ROT07, mounting.sensor
+        ))
         .measured(measured(&mounting.parent_from_sensor))
 }
 

@@ -71,7 +71,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         .related(known.poses.1.clone(), "compared with this motion")
         .detail(format!("{detail} Compared with {}.", known.poses.0))
         .help(help);
-    out.fail(finding.measured(measured));
+    out.fail(known.stated_at(world, finding.measured(measured)));
 }
 
 /// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.

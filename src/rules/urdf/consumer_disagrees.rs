@@ -41,15 +41,29 @@ impl Rule for ConsumerDisagrees {
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     let message = format!("the parser {CONSUMER} rejects robot `{}`", robot.name.value);
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
+    let malformed = robot.malformed.iter().map(|list| &list.text.place);
+    let repeated = robot.repeated.iter().flat_map(|item| &item.places);
+    let causes: Vec<&Place> = malformed.chain(repeated).collect();
+    let help = if causes.is_empty() {
+        "compare the file with the specification of URDF: the parser gives no place"
+    } else {
+        "correct what is marked as a probable cause"
+    };
     let finding = Finding::note(
         crate::analysis::urdf::called::robot(world, robot),
         message,
         robot.name.place.clone(),
     )
     .label("rejected")
-    .detail(format!("Programs in Rust that use it cannot load the robot. Its error: {}.", why.trim_start_matches("custom: ")))
-    .help("fix what the other findings on this file point at, usually numbers or repeated elements; without other findings, load the file with urdf-rs")
+    .detail(format!(
+        "Programs in Rust that use it cannot load the robot. Its error: {}.",
+        why.trim_start_matches("custom: ")
+    ))
+    .help(help)
     .measured(Measured::count("parsers that reject the file", 1).limit(0.0));
+    let finding = causes.iter().take(3).fold(finding, |finding, place| {
+        finding.related((*place).clone(), "probable cause")
+    });
     if explained { finding } else { finding.hint() }
 }
 

@@ -196,7 +196,8 @@ impl Case<'_> {
         let Some(edge) = edge else {
             return match culprit {
                 Culprit::Loop => "the frame tree contains a loop".to_owned(),
-                _ => "the two frames are not connected at these times, because a parent changes".to_owned(),
+                _ => "at these times the two frames are not connected, because a frame between them has another parent"
+                    .to_owned(),
             };
         };
         let name = format!("`{}` -> `{}`", edge.parent, edge.child);
@@ -243,7 +244,7 @@ fn help(when: FailurePattern, edge: Option<&TfEdge>) -> String {
             "publish `{}` -> `{}` for as long as the sensor runs, with stamps of the same clock",
             edge.parent, edge.child
         ),
-        (_, None) => "let only one node publish the parent of each frame".to_owned(),
+        (_, None) => "let only one node publish each transform, with one parent for each frame (`ros2 run tf2_tools view_frames` shows the publishers)".to_owned(),
     }
 }
 
