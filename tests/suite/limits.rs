@@ -79,8 +79,7 @@ fn idle(page: &Page, select: &[String], worlds: &[World]) -> Vec<String> {
             asked.push((world.bags.iter().map(|bag| bag.messages).sum(), world, before));
         }
     }
-    // Those with little in them come first: one that moves is enough. By the clock the order would be another one on a busy machine, and a
-    // limit a thousand times too fine in a long drive costs gigabytes.
+    // Those with little in them come first: one that moves is enough. By the clock the order would be another one on a busy machine.
     asked.sort_by_key(|(messages, ..)| *messages);
     let is_idle = |limit: &Limit| {
         let name = limit.name;

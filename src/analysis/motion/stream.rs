@@ -107,7 +107,8 @@ impl<R: Row> Stream<R> {
         for run in self.stretches.iter().flat_map(|stretch| stretch.chunk_by(apart)) {
             let mut rest = run;
             while let Some(first) = rest.first() {
-                let end = rest.partition_point(|row| row.t_s < first.t_s + seconds);
+                // However short a window is, it ends behind its first row.
+                let end = rest.partition_point(|row| row.t_s < first.t_s + seconds).max(1);
                 // The row that ends a window begins the next one.
                 let (Some(window), Some(next)) = (rest.get(..=end), rest.get(end..)) else {
                     break;
