@@ -107,7 +107,7 @@ fn frames_of_files_are_static_and_stand_where_they_are_stated() {
     // What the other source says, what the rule would have, the finding in the log and at the frame.
     for entity in [
         "/world/base_link/lidar\\ by\\ lidar.yaml",
-        "/world/base_link/lidar\\ as\\ CROSS02\\ would\\ have\\ it",
+        "/world/base_link/lidar\\ as\\ CROSS02\\ corrects\\ it",
         "/world/base_link/lidar/finding\\ 1",
         "/findings/log/1\\ CROSS02",
         "/findings/page",
