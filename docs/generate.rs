@@ -11,9 +11,8 @@ use std::path::{Path, PathBuf};
 
 use frames_lint::cli::{self, Surroundings};
 use frames_lint::page::{self, Page};
-use frames_lint::report::Style;
+use frames_lint::report::{Style, explain};
 use frames_lint::rules::RULES;
-use frames_lint::tables::views;
 use serde_json::Value;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -178,17 +177,6 @@ fn table_of_rules(out: &mut String) {
 
 /// A rule's page: its facts, its sections, its limits behind the section that uses them.
 fn rule(page: &Page) -> String {
-    let status = match page.status {
-        page::Status::Trial => "on trial: findings are hints",
-        page::Status::Stable => "stable",
-    };
-    let facts = [
-        ("severity", page.severity.word()),
-        ("confidence", page.confidence.word()),
-        ("status", status),
-        ("since", page.since),
-        ("judges", page.subject),
-    ];
     let mut summary = page.summary.to_owned();
     if let Some(first) = summary.get_mut(..1) {
         first.make_ascii_uppercase();
@@ -197,7 +185,7 @@ fn rule(page: &Page) -> String {
         "# {} {}\n\n{summary}.\n\n| property | value |\n|---|---|\n",
         page.code, page.name
     );
-    for (name, value) in facts {
+    for (name, value) in page.facts() {
         let _ = writeln!(out, "| {name} | {} |", cell(value));
     }
     for section in page::sections(page.body) {
@@ -206,18 +194,12 @@ fn rule(page: &Page) -> String {
         if section.title == "How it decides" && !page.limits.is_empty() {
             out.push_str("\n### Limits\n\n| limit | value | reason |\n|---|---|---|\n");
             for limit in page.limits {
-                let unit = Some(limit.unit).filter(|unit| !matches!(*unit, "" | "1" | "count"));
-                let value = unit.map_or_else(|| limit.value.to_string(), |unit| format!("{} {unit}", limit.value));
-                let _ = writeln!(out, "| `{}` | {value} | {} |", limit.name, cell(limit.reason));
+                let _ = writeln!(out, "| `{}` | {} | {} |", limit.name, limit.words(), cell(limit.reason));
             }
         }
     }
-    if let Some((entity, view)) = views::of(page.view).and_then(|view| Some((view.words()?, view))) {
-        let _ = writeln!(
-            out,
-            "\n## See it\n\n`frames-lint view PATH... -o views.rrd`, entity `{entity}`: {}.",
-            view.what
-        );
+    if let Some(sight) = explain::sight(page.view) {
+        let _ = writeln!(out, "\n## In the viewer\n\n{sight}");
     }
     if !page.references.is_empty() {
         out.push_str("\n## References\n\n");

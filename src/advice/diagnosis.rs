@@ -57,8 +57,12 @@ pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, findi
 
 /// The finding, unless the track that it compares with is itself mirrored, because latitude and longitude are swapped.
 pub(crate) fn unless_swapped(track: &str, finding: Finding) -> Finding {
-    let track = track.trim_start_matches("topic ");
-    finding.unless_about(codes::AXES07, format!("{track}: latitude and longitude are swapped"))
+    finding.unless_about(codes::AXES07, swapped_track(track.trim_start_matches("topic ")))
+}
+
+/// The fault of a track, in backticks, whose latitude and longitude are swapped.
+pub(crate) fn swapped_track(track: &str) -> String {
+    format!("{track}: latitude and longitude are swapped")
 }
 
 /// The rule of a measurement.

@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use crate::page::{self, Limit, Page, Status};
+use crate::page::{self, Page};
 use crate::tables::views;
 
 use super::Style;
@@ -42,7 +42,7 @@ pub fn render(page: &Page, style: Style) -> String {
 }
 
 /// The part of the views that shows what a rule judges.
-fn sight(view: &str) -> Option<String> {
+pub fn sight(view: &str) -> Option<String> {
     let view = views::of(view)?;
     Some(match view.words() {
         Some(entity) => format!(
@@ -57,19 +57,8 @@ fn head(page: &Page, style: Style, out: &mut String) {
     let title = format!("{} {}", page.code, page.name);
     let _ = writeln!(out, "{}", style.paint(Ink::Strong, &title));
     paragraph(page.summary, style, out);
-    let status = match page.status {
-        Status::Stable => "stable",
-        Status::Trial => "trial: findings are shown as hints",
-    };
-    let facts = [
-        ("severity", page.severity.word()),
-        ("confidence", page.confidence.word()),
-        ("status", status),
-        ("since", page.since),
-        ("checks", page.subject),
-    ];
     out.push('\n');
-    for (name, value) in facts {
+    for (name, value) in page.facts() {
         let label = format!("  {name:<11} ");
         let _ = writeln!(
             out,
@@ -87,7 +76,7 @@ fn limits(page: &Page, style: Style, out: &mut String) {
     let rows: Vec<(&str, String, &str)> = page
         .limits
         .iter()
-        .map(|limit| (limit.name, value(limit), limit.reason))
+        .map(|limit| (limit.name, limit.words(), limit.reason))
         .collect();
     let width = |cell: fn(&(&str, String, &str)) -> usize| rows.iter().map(cell).max().unwrap_or(0);
     let (names, values) = (
@@ -108,13 +97,6 @@ fn limits(page: &Page, style: Style, out: &mut String) {
         };
         let first = if indent.len() == 6 { indent.clone() } else { label };
         let _ = writeln!(out, "{}", wrap(reason, Some(style.prose_width()), &first, &indent));
-    }
-}
-
-fn value(limit: &Limit) -> String {
-    match limit.unit {
-        "" | "1" | "count" => limit.value.to_string(),
-        unit => format!("{} {unit}", limit.value),
     }
 }
 
@@ -198,7 +180,7 @@ fn item(text: &str, style: Style, out: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::page::Number;
+    use crate::page::{Limit, Number, Status};
     use crate::rules::pages;
 
     #[test]

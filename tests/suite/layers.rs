@@ -4,9 +4,11 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use frames_lint::rules::RULES;
+
+use crate::support::files;
 
 /// For each room of the house, the rooms it may use besides itself.
 fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
@@ -68,17 +70,6 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
     ])
 }
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// A file of `src`, as what is read of it here: without comments and tests.
 struct Module {
     file: String,
@@ -91,9 +82,7 @@ impl Module {
     /// Every module of `src`, in a fixed order.
     fn all() -> Vec<Self> {
         let src = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src");
-        let mut files = Vec::new();
-        rust_files(&src, &mut files);
-        files.sort();
+        let files = files(&src, ".rs");
         let of = |file: PathBuf| {
             let file = file.strip_prefix(&src).unwrap().to_string_lossy().into_owned();
             let text = fs::read_to_string(src.join(&file)).unwrap();
@@ -327,12 +316,11 @@ fn rules_use_no_other_rule_and_analyses_name_none() {
 #[test]
 fn the_median_rule_has_120_lines_or_fewer() {
     let src = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/rules");
+    let files = files(&src, ".rs");
     let lines_of = |entry: &frames_lint::rules::Entry| {
         let name = entry.page.name.replace('-', "_");
-        let mut files = Vec::new();
-        rust_files(&src, &mut files);
         let file = files
-            .into_iter()
+            .iter()
             .find(|file| file.file_stem().is_some_and(|stem| *stem == *name));
         file.map_or(0, |file| fs::read_to_string(file).unwrap().lines().count())
     };
@@ -371,8 +359,7 @@ fn the_tests_see_an_arrow() {
 #[test]
 fn only_one_file_knows_the_terminal_renderer() {
     let src = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    rust_files(&src, &mut files);
+    let files = files(&src, ".rs");
     let knowing: Vec<String> = files
         .iter()
         .filter(|file| fs::read_to_string(file).unwrap().contains("miette::"))

@@ -3,12 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use frames_lint::page::{self, Page};
 use frames_lint::rules::RULES;
 use frames_lint::tables::recordings;
+
+use crate::support::files;
 
 const SECTIONS: &[&str] = &[
     "What it checks",
@@ -90,7 +91,7 @@ fn pages_and_rules_lie_where_their_names_say() {
 #[test]
 fn no_page_is_without_a_rule() {
     let known: BTreeSet<&str> = pages().into_iter().map(|page| page.name).collect();
-    for file in markdown_files(&root().join("rules")) {
+    for file in files(&root().join("rules"), ".md") {
         let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
         assert!(
             stem == "README" || known.contains(stem.as_str()),
@@ -98,17 +99,4 @@ fn no_page_is_without_a_rule() {
             file.display()
         );
     }
-}
-
-fn markdown_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(markdown_files(&path));
-        } else if path.extension().is_some_and(|ending| ending == "md") {
-            found.push(path);
-        }
-    }
-    found
 }

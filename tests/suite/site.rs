@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 
 use crate::support::at_hand::left_out;
 use crate::support::browser::Browser;
+use crate::support::files;
 use crate::support::page::Page;
 
 /// The folder of the site, where it was built.
@@ -26,34 +27,16 @@ fn site() -> Option<PathBuf> {
     None
 }
 
-/// Pages by their paths below the site.
+/// Pages by their paths.
 fn pages(site: &Path) -> BTreeMap<PathBuf, Page> {
-    let mut found = BTreeMap::new();
-    let mut folders = vec![site.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "html") {
-                let name = path.strip_prefix(site).unwrap().to_owned();
-                found.insert(name, Page::parse(&fs::read_to_string(&path).unwrap()));
-            }
-        }
-    }
-    found
-}
-
-/// A path without `.` and `..`.
-fn plain(path: &Path) -> PathBuf {
-    path.components().fold(PathBuf::new(), |mut plain, part| {
-        match part {
-            std::path::Component::ParentDir => _ = plain.pop(),
-            std::path::Component::CurDir => {}
-            part => plain.push(part),
-        }
-        plain
-    })
+    let page = |path: PathBuf| {
+        let page = Page::parse(&fs::read_to_string(&path).unwrap());
+        (path, page)
+    };
+    files(&site.canonicalize().unwrap(), ".html")
+        .into_iter()
+        .map(page)
+        .collect()
 }
 
 #[test]
@@ -62,40 +45,40 @@ fn no_link_is_dead_and_nothing_is_loaded_from_elsewhere() {
     let pages = pages(&site);
     let anchors: BTreeMap<&Path, BTreeSet<String>> = pages
         .iter()
-        .map(|(name, page)| (name.as_path(), page.attributes("[id]", "id").into_iter().collect()))
+        .map(|(path, page)| (path.as_path(), page.attributes("[id]", "id").into_iter().collect()))
         .collect();
     let mut dead = Vec::new();
     // The page of all pages has the anchors of all; the page for what is not found stands anywhere.
-    let whole = |name: &Path| matches!(name.to_str(), Some("print.html" | "404.html" | "toc.html"));
-    for (name, page) in pages.iter().filter(|(name, _)| !whole(name)) {
+    let whole = |path: &Path| path.ends_with("print.html") || path.ends_with("404.html") || path.ends_with("toc.html");
+    for (path, page) in pages.iter().filter(|(path, _)| !whole(path)) {
+        let mut report = |what: String| dead.push(format!("{}: {what}", path.display()));
+        // A path of the page as the file system has it.
+        let there = |link: &str| path.with_file_name("").join(link).canonicalize().ok();
         for loaded in ["img", "script", "iframe"]
             .map(|tag| page.attributes(tag, "src"))
             .concat()
         {
-            if loaded.contains("//") || !site.join(plain(&name.with_file_name(&loaded))).is_file() {
-                dead.push(format!("{}: loads {loaded}", name.display()));
+            if loaded.contains("//") || !there(&loaded).is_some_and(|file| file.is_file()) {
+                report(format!("loads {loaded}"));
             }
         }
         for style in page.attributes("link", "href") {
             if style.contains("//") {
-                dead.push(format!("{}: loads {style}", name.display()));
+                report(format!("loads {style}"));
             }
         }
         for link in page.attributes("a[href]", "href") {
             if link.starts_with("https://") {
                 continue;
             }
-            let (path, anchor) = link.split_once('#').unwrap_or((&link, ""));
-            let target = match path {
-                "" => name.clone(),
-                path => plain(&name.with_file_name("").join(path)),
-            };
-            let is_there = match anchors.get(target.as_path()) {
+            let (to, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if to.is_empty() { Some(path.clone()) } else { there(to) };
+            let is_there = target.is_some_and(|target| match anchors.get(target.as_path()) {
                 Some(ids) => anchor.is_empty() || ids.contains(anchor),
-                None => site.join(&target).is_file(),
-            };
+                None => target.is_file(),
+            });
             if !is_there {
-                dead.push(format!("{}: {link}", name.display()));
+                report(link.clone());
             }
         }
     }

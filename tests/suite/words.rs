@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use frames_lint::engine::{self, Options};
 use frames_lint::page;
@@ -11,6 +11,7 @@ use frames_lint::rules::RULES;
 use tree_sitter::{Node, Parser};
 
 use crate::cases::{cases, laid_out};
+use crate::support::files;
 
 /// Phrases that nobody reads at once.
 const RETIRED: &[&str] = &[
@@ -50,20 +51,6 @@ const NAME: usize = 16;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(files(&path, ending));
-        } else if path.extension().is_some_and(|end| end == ending) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
 }
 
 /// The string literals of a program, but for those of its tests.
@@ -110,7 +97,7 @@ fn retired_words_stay_out_of_what_users_read() {
     let mut texts: Vec<(PathBuf, usize, String)> = Vec::new();
     let mut parser = Parser::new();
     parser.set_language(&tree_sitter_rust::LANGUAGE.into()).unwrap();
-    for path in files(&root.join("src"), "rs") {
+    for path in files(&root.join("src"), ".rs") {
         let is_test = path.components().any(|part| part.as_os_str() == "tests")
             || path
                 .file_stem()
@@ -131,7 +118,7 @@ fn retired_words_stay_out_of_what_users_read() {
         "CONTRIBUTING.md",
     ];
     let documents = documents.iter().map(|name| root.join(name));
-    let pages = [files(&root.join("rules"), "md"), files(&root.join("docs/src"), "md")].concat();
+    let pages = [files(&root.join("rules"), ".md"), files(&root.join("docs/src"), ".md")].concat();
     for path in documents.chain(pages) {
         let text = fs::read_to_string(&path).unwrap();
         let lines = prose(&text, path.ends_with("CONTRIBUTING.md"));

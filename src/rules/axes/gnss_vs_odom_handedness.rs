@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use crate::advice::diagnosis::swapped_track;
 use crate::analysis::axes::hand::{exchanged_track, min_minor_m};
 use crate::analysis::axes::handedness::{Limits, Votes};
 use crate::analysis::motion::{Motion, Stream, Track};
@@ -193,8 +194,9 @@ pub(crate) fn swapped<'t>(
         return None;
     }
     let message = format!(
-        "`{}`: latitude and longitude are swapped (swapped back, `{}` fits to {rms_m:.2} m)",
-        fixes.topic, poses.topic
+        "{} (swapped back, `{}` fits to {rms_m:.2} m)",
+        swapped_track(&format!("`{}`", fixes.topic)),
+        poses.topic
     );
     let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");
     let finding = finding

@@ -40,7 +40,6 @@ impl Rule for ConsumerDisagrees {
 /// One parser's refusal is no proof: urdfdom accepts files that it rejects, and vice versa.
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     let message = format!("the parser {CONSUMER} rejects robot `{}`", robot.name.value);
-    let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
     let malformed = robot.malformed.iter().map(|list| &list.text.place);
     let repeated = robot.repeated.iter().flat_map(|item| &item.places);
     let causes: Vec<&Place> = malformed.chain(repeated).collect();
@@ -64,7 +63,7 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     let finding = causes.iter().take(3).fold(finding, |finding, place| {
         finding.related((*place).clone(), "probable cause")
     });
-    if explained { finding } else { finding.hint() }
+    if causes.is_empty() { finding.hint() } else { finding }
 }
 
 fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: &Limits, out: &mut Judge) {

@@ -23,7 +23,7 @@ pub(super) struct ChunkHead {
     /// Compressed bytes.
     pub(super) packed: u64,
     checksum: u32,
-    /// First and last log time of its messages, nanoseconds; `None` if they are not filled in.
+    /// See [`PackedChunk::log_times`].
     log_times: Option<(u64, u64)>,
     /// `None` for one that is not supported.
     pub(super) compression: Option<Compression>,
@@ -99,7 +99,7 @@ impl Pass<'_, '_> {
             size,
             packed,
             checksum,
-            log_times: Some(log_times).filter(|(_, last)| *last > 0),
+            log_times: Some(log_times).filter(|(_, last)| *last > 0 && checksum == 0),
             compression,
         })
     }
@@ -114,7 +114,7 @@ impl Pass<'_, '_> {
             compression: head.compression.unwrap_or(Compression::None),
             size: head.size,
             checksum: head.checksum,
-            log_times: head.log_times.filter(|_| head.checksum == 0),
+            log_times: head.log_times,
             seam,
             data,
         };
