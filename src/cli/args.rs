@@ -1,23 +1,22 @@
 //! The command-line arguments (clap) and their help texts.
 
+mod reading;
+mod reporting;
 mod values;
 
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
-use clap_complete::{ArgValueCandidates, ArgValueCompleter};
+use clap_complete::ArgValueCandidates;
 
 use crate::config::PROFILES;
-use crate::engine::{self, Extent};
-use crate::files::Outputs;
-use crate::report::Format;
-use crate::report::terminal::Parts;
-use crate::run::{FailOn, Run};
+use crate::engine;
 
-use super::Surroundings;
+pub(super) use reading::ReadOptions;
+pub(super) use reporting::{Output, ReportOptions};
 
-use values::{Targets, by_ending, is, output, outputs, rules, selectors, size, verbs, xacro_arg};
+use values::{Targets, is, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -118,92 +117,6 @@ pub(super) struct Input {
     pub(super) paths: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) reading: ReadOptions,
-}
-
-#[derive(Clone, Debug, Args)]
-pub(super) struct ReadOptions {
-    /// Argument for xacro files; repeatable
-    #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
-    pub(super) xacro_args: Vec<String>,
-    /// Who expands xacro files: frames-lint alone, or also the installed xacro
-    ///
-    /// The installed xacro program executes code in the files it expands: use `run` only with files that you trust.
-    #[arg(long, value_name = "WHO", value_enum, default_value_t)]
-    pub(super) xacro: Xacro,
-    /// Allow configurations to refer to files outside their repository
-    ///
-    /// Concerns configurations found beside the inputs: their `extends` and their tables. Not allowed by default.
-    #[arg(long)]
-    pub(super) outside: bool,
-    /// Folder with message definitions (package/msg/Type.msg); repeatable
-    ///
-    /// Needed for recordings that contain no definitions of their message types.
-    #[arg(long = "msg-path", value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub(super) msg_paths: Vec<PathBuf>,
-    /// Read recordings completely, instead of in windows spread over their length
-    #[arg(long, conflicts_with_all = ["windows", "budget"])]
-    pub(super) full: bool,
-    /// Number of windows to read of each recording (default: as many as the rules need)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(super) windows: Option<u32>,
-    /// Time limit for reading more of recordings (30s, 2min; default: none)
-    ///
-    /// More is read where a rule lacks evidence. Without a time limit, up to 2 GiB of each recording are read.
-    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
-    pub(super) budget: Option<std::time::Duration>,
-}
-
-/// Programs that may expand xacro files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum Xacro {
-    /// frames-lint alone, without environment variables
-    #[default]
-    Own,
-    /// Also the installed xacro program, with environment variables
-    Run,
-}
-
-impl ReadOptions {
-    /// The engine's options for these paths.
-    pub(super) fn options(self, paths: Vec<PathBuf>, surroundings: Surroundings) -> engine::Options {
-        engine::Options {
-            extent: self.extent(),
-            paths,
-            xacro: surroundings.xacro(self.xacro_args, self.xacro == Xacro::Run),
-            outside: self.outside,
-            msg_paths: self.msg_paths,
-            progress: surroundings.progress,
-            ..engine::Options::default()
-        }
-    }
-
-    /// How much of recordings is read, in words.
-    pub(super) fn extent_words(&self) -> String {
-        let budget = self.budget.map_or_else(
-            || "more is read where a rule lacks evidence".to_owned(),
-            |budget| {
-                format!(
-                    "more is read for {} where a rule lacks evidence",
-                    humantime::format_duration(budget)
-                )
-            },
-        );
-        match (self.full, self.windows) {
-            (true, _) => "read completely".to_owned(),
-            (false, Some(windows)) => format!("read in {windows} windows spread over their length; {budget}"),
-            (false, None) => format!("read in windows spread over their length, as many as the rules need; {budget}"),
-        }
-    }
-
-    /// How much of recordings is read.
-    pub(super) fn extent(&self) -> Extent {
-        Extent {
-            full: self.full,
-            windows: self.windows,
-            budget: self.budget,
-            bytes: None,
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -312,114 +225,6 @@ pub(super) struct FixOptions {
     /// Show the safe fixes as a diff and change no file; with --unsafe-fixes all fixes
     #[arg(long)]
     pub(super) diff: bool,
-}
-
-/// Parts to leave out of a report for people.
-#[derive(Clone, Copy, Debug, Args)]
-pub(super) struct Omissions {
-    /// Show only findings and inputs with problems
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Show the number of findings of each rule, instead of the findings
-    #[arg(long, conflicts_with = "quiet")]
-    statistics: bool,
-}
-
-impl Omissions {
-    pub(super) fn parts(self) -> Parts {
-        match (self.quiet, self.statistics) {
-            (true, _) => Parts::Findings,
-            (_, true) => Parts::Statistics,
-            (false, false) => Parts::All,
-        }
-    }
-}
-
-/// How results are reported.
-#[derive(Debug, Args)]
-pub(super) struct ReportOptions {
-    /// Lowest severity that gives exit code 1; hints never do
-    ///
-    /// Default: `fail-on` of the configuration, else error.
-    #[arg(long, value_enum, value_name = "SEVERITY")]
-    pub(super) fail_on: Option<FailOn>,
-    /// Format of the report
-    #[arg(long, value_enum, default_value = "human")]
-    pub(super) format: Format,
-    /// Colour in the report; auto: only on a terminal, and if NO_COLOR is not set
-    #[arg(long, value_enum, default_value = "auto", value_name = "WHEN")]
-    pub(super) color: Color,
-    /// List every check that was not evaluated, with the reason
-    #[arg(short, long)]
-    pub(super) verbose: bool,
-    /// Show every finding, without a limit on their number
-    #[arg(long)]
-    pub(super) all: bool,
-    #[command(flatten)]
-    pub(super) less: Omissions,
-    /// Write the report to a file; repeatable, one format per file
-    ///
-    /// The format follows from the file's extension (.sarif, .html, .json, .jsonl, .xml, .md) unless --format names another.
-    /// `FORMAT=FILE` sets the format of one file (`--output sarif=frames.sarif --output junit=frames.xml`). The counts and
-    /// the verdict go to standard error.
-    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, add = ArgValueCompleter::new(outputs))]
-    pub(super) output: Vec<Output>,
-    /// Overwrite existing files that are not reports
-    ///
-    /// With --fix: also change files that are read-only, have several names (links), or are outside the checked paths.
-    /// An output never overwrites an input.
-    #[arg(long)]
-    pub(super) force: bool,
-}
-
-impl ReportOptions {
-    /// The files to write: reports and others.
-    pub(super) fn outputs<'o>(&self, others: impl IntoIterator<Item = &'o Option<PathBuf>>) -> Outputs {
-        let reports = self.output.iter().map(|output| output.file.clone());
-        Outputs {
-            files: reports.chain(others.into_iter().flatten().cloned()).collect(),
-            force: self.force,
-            rewritten: None,
-        }
-    }
-
-    /// The lowest severity that fails the run.
-    pub(super) fn fail_on(&self, run: &Run) -> FailOn {
-        self.fail_on.or(run.fail_on).unwrap_or_default()
-    }
-
-    /// The format of a report in a file.
-    pub(super) fn format_of(&self, output: &Output) -> Format {
-        match (output.format, self.format) {
-            (None, Format::Human) => by_ending(&output.file),
-            (Some(format), _) | (None, format) => format,
-        }
-    }
-
-    /// Whether the report goes to a file, and only its ending to the terminal.
-    pub(super) fn is_in_file(&self) -> bool {
-        self.output.iter().any(|output| output.format.is_none())
-    }
-
-    /// Whether every report is written during the run.
-    pub(super) fn streams(&self) -> bool {
-        let mut formats = self.output.iter().map(|output| self.format_of(output));
-        formats.all(|one| one == Format::JsonLines) && (self.is_in_file() || self.format == Format::JsonLines)
-    }
-
-    /// Whether a report has this format.
-    pub(super) fn has(&self, format: Format) -> bool {
-        let mut formats = self.output.iter().map(|output| self.format_of(output));
-        (self.format == format && !self.is_in_file()) || formats.any(|one| one == format)
-    }
-}
-
-/// A file for a report.
-#[derive(Clone, Debug)]
-pub(super) struct Output {
-    /// Its format; `None`: that of `--format`.
-    pub(super) format: Option<Format>,
-    pub(super) file: PathBuf,
 }
 
 #[derive(Debug, Args)]
