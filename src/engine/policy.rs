@@ -117,9 +117,9 @@ impl<'a> RunPolicy<'a> {
         for (at, verdicts) in parts {
             let Some(governing) = self.each.get(at) else { continue };
             let mut verdict = Verdict::default();
-            verdict
-                .rows
-                .reserve_exact(verdicts.iter().map(|one| one.rows.len()).sum());
+            // With room for the rules on acceptances, which come last: to grow afterwards would copy all rows.
+            let rows: usize = verdicts.iter().map(|one| one.rows.len()).sum();
+            verdict.rows.reserve_exact(rows + self.enabled.len());
             for one in verdicts {
                 verdict.extend(one);
             }

@@ -103,6 +103,8 @@ pub fn expand(
             command.env_clear();
         }
         command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
+        // The allocator reserves 1 GiB of addresses otherwise, which the limit of the child could not tell from memory.
+        command.env("MIMALLOC_ARENA_RESERVE", "65536");
         if let Some(folder) = path.parent() {
             // The child changes its folder itself: with `current_dir` a statically linked program is started by `fork`, which copies its memory map.
             command.arg("--from").arg(folder);

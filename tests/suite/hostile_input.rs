@@ -84,6 +84,23 @@ fn bombs() {
     );
 }
 
+/// Each macro calls the one before ten times: a million links.
+#[test]
+fn macros_that_grow_tenfold() {
+    let macros: Vec<String> = (1..7)
+        .map(|level| {
+            let calls = format!("<xacro:m{}/>", level - 1).repeat(10);
+            format!("<xacro:macro name=\"m{level}\">{calls}</xacro:macro>")
+        })
+        .collect();
+    let text = format!(
+        "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\
+         <xacro:macro name=\"m0\"><link name=\"a\"/></xacro:macro>{}<xacro:m6/></robot>",
+        macros.concat()
+    );
+    check("macros.xacro", text, 3, &["takes too much memory"]);
+}
+
 #[test]
 fn large_files() {
     let folder = tempfile::tempdir().unwrap();

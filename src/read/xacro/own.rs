@@ -17,9 +17,9 @@ const DEEPEST: usize = 1000;
 /// Stack for that depth, bytes. Only the used part takes memory.
 const STACK: usize = 1 << 29;
 
-/// Memory that this process may take, bytes.
+/// Addresses that this process may take on top of those that it has, bytes: half of them are its stack.
 #[cfg(unix)]
-const MEMORY: u64 = 2 << 30;
+const MEMORY: u64 = 1 << 30;
 
 /// Expands `file` with `args` of the form `name:=value`; it and the files it names must be in the folders `allowed`, or anywhere if that is empty.
 /// Relative paths start from the folder `from`. Limits the memory and the rights of the whole process, and changes its working directory: call
@@ -34,7 +34,10 @@ pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf], from: Option<&P
     }
     // If the limit cannot be set, time and output are still bounded from outside.
     #[cfg(unix)]
-    let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
+    let _ = {
+        let most = mapped() + MEMORY;
+        nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, most, most)
+    };
     let bounds = (!allowed.is_empty()).then(|| Bounds {
         allowed: AllowedFolders::exactly(allowed),
         in_force: confined(allowed),
@@ -52,6 +55,17 @@ pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf], from: Option<&P
             .join()
             .unwrap_or_else(|_| Err("error: the expansion crashed".to_owned()))
     })
+}
+
+/// Addresses that this process has, bytes; where the system does not state it, as many as the allocator reserves.
+#[cfg(unix)]
+fn mapped() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let size = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmSize:")?.strip_suffix(" kB"));
+    let kilobytes: Option<u64> = size.and_then(|size| size.trim().parse().ok());
+    kilobytes.map_or(1 << 30, |kilobytes| kilobytes * 1024)
 }
 
 /// What may be read.
