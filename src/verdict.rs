@@ -20,7 +20,7 @@ use crate::source::Confidence;
 pub use deference::{Deference, Explainer, RuleCode};
 pub use finding::{Edit, Finding, Fix, Label, PlaceRole, PreferredPose, Safety, Severity, UNEXPLAINED};
 pub use judge::{Judge, Judged};
-pub use measured::Measured;
+pub use measured::{Bound, Measured};
 pub use plot::Plot;
 pub use waiver::Acceptance;
 use waiver::FAMILY;

@@ -4,25 +4,22 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::hand_eye::HandEye;
 use crate::analysis::places::{joint_of, of_numbers};
 use crate::source::Place;
 use crate::verdict::{Edit, Finding};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
-impl HandEye {
-    /// The finding with the places of the transforms from the lidar to the body.
-    pub(crate) fn stated_at(&self, world: &World, finding: Finding) -> Finding {
-        let graph = world.graph();
-        let chain = graph.chain(&self.body, &self.lidar, |edge| edge.is_rigid);
-        let steps = chain.map(|(_, steps)| steps).unwrap_or_default();
-        let edges = steps.iter().filter_map(|step| graph.edges.get(step.edge));
-        let places = edges.filter_map(|edge| of_numbers(world, edge));
-        places.fold(finding, |finding, place| {
-            finding.related(place, "transform of the mounting")
-        })
-    }
+/// The finding with the places of the transforms that mount a sensor on a body.
+pub(crate) fn with_mounting(world: &World, [body, sensor]: [&FrameId; 2], finding: Finding) -> Finding {
+    let graph = world.graph();
+    let chain = graph.chain(body, sensor, |edge| edge.is_rigid);
+    let steps = chain.map(|(_, steps)| steps).unwrap_or_default();
+    let edges = steps.iter().filter_map(|step| graph.edges.get(step.edge));
+    let places = edges.filter_map(|edge| of_numbers(world, edge));
+    places.fold(finding, |finding, place| {
+        finding.related(place, "transform of the mounting")
+    })
 }
 
 /// The edit that gives the joint behind an edge another `rpy`, where it is written in one place of an editable text.

@@ -9,7 +9,7 @@ use crate::verdict::NotEvaluated;
 pub(crate) type Estimate<T> = Result<T, (NotEvaluated, String)>;
 
 /// Label of the place of a track in a finding.
-pub(crate) const TRACK: &str = "track compared with";
+pub(crate) const TRACK: &str = "compared with this track";
 
 /// The reason, if there are no tracks to compare with.
 pub(crate) fn needed(tracks: &[Arc<Track>]) -> Estimate<()> {

@@ -56,11 +56,26 @@ pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Rel
 /// What the rotation is instead of the expected one, as a sentence.
 pub(crate) fn found(relation: Relation) -> &'static str {
     match relation {
-        Relation::Equal => "There is no rotation between the two.",
+        Relation::Equal => "Both have the same axes.",
         Relation::FluFrd => "The rotation between the two is 180 deg about x (FLU/FRD).",
         Relation::NedEnu => "The rotation between the two exchanges x and y and negates z (NED/ENU).",
         other => other.describe(),
     }
+}
+
+/// Where the axes of an optical frame point, as a sentence, if each is along one of its parent's.
+pub(crate) fn directions(parent_from_optical: &UnitQuaternion<f64>) -> Option<String> {
+    const WORDS: [[&str; 2]; 3] = [["forward", "backward"], ["left", "right"], ["up", "down"]];
+    let axes = parent_from_optical.to_rotation_matrix();
+    let word = |column: usize| {
+        let axis = axes.matrix().column(column);
+        let (row, value) = axis.iter().enumerate().find(|(_, value)| value.abs() > 0.99)?;
+        WORDS.get(row)?.get(usize::from(*value < 0.0)).copied()
+    };
+    let [x, y, z] = [word(0)?, word(1)?, word(2)?];
+    Some(format!(
+        "Its x axis points {x}, y {y}, z {z}; they should point right, down, forward."
+    ))
 }
 
 /// Where the frame is stated in the tree, else where it is named first.

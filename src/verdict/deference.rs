@@ -38,6 +38,8 @@ impl std::fmt::Display for RuleCode {
 pub enum Deference {
     /// A rule with a finding on the same subject, topic or part of a file.
     Rule(RuleCode),
+    /// The same with the same relation.
+    Relation(RuleCode),
     /// A rule with a finding that names this.
     About(RuleCode, String),
     /// The finding of the same rule on this subject, which has the same cause.
@@ -79,7 +81,7 @@ pub fn match_up(findings: &mut [Finding]) {
         .map(|finding| {
             let same = finding.unless.iter().flat_map(|unless| {
                 let rule = match unless {
-                    Deference::Rule(rule) | Deference::About(rule, _) => rule.as_str(),
+                    Deference::Rule(rule) | Deference::Relation(rule) | Deference::About(rule, _) => rule.as_str(),
                     Deference::CauseOf(_) => &finding.rule,
                 };
                 let subjects = known.get(rule).into_iter().flatten();
@@ -98,7 +100,8 @@ pub fn match_up(findings: &mut [Finding]) {
 /// Whether two findings are about the same thing.
 fn is_same(finding: &Finding, other: &Finding, unless: &Deference) -> bool {
     match unless {
-        Deference::Rule(_) => {}
+        Deference::Relation(_) if other.relation != finding.relation => return false,
+        Deference::Rule(_) | Deference::Relation(_) => {}
         Deference::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
         // If there are several platforms, subjects begin with their names.
         Deference::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,

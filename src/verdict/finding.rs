@@ -287,6 +287,13 @@ impl Finding {
         self
     }
 
+    /// A rule that explains it better, if it finds the same with the same relation.
+    #[must_use]
+    pub fn unless_relation(mut self, rule: RuleCode) -> Self {
+        self.unless.push(Deference::Relation(rule));
+        self
+    }
+
     /// A rule that explains it better, if one of its findings names `about`.
     #[must_use]
     pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {

@@ -13,6 +13,9 @@ pub struct Measured {
     pub unit: String,
     /// The limit it was compared with, in the same unit.
     pub limit: Option<f64>,
+    /// What the limit asks of the value, for reports.
+    #[serde(skip)]
+    pub bound: Bound,
     /// Spread of the value, in the same unit.
     pub spread: Option<f64>,
     /// Number of samples behind it.
@@ -20,6 +23,29 @@ pub struct Measured {
     /// Whether it is the angle between an orientation and what it should be; see [`Measured::turn`].
     #[serde(skip)]
     pub is_turn: bool,
+}
+
+/// What a limit asks of a value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bound {
+    /// To be within it.
+    #[default]
+    Within,
+    /// To reach it.
+    AtLeast,
+    /// To equal it.
+    Expected,
+}
+
+impl Bound {
+    /// The word before the limit.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Within => "limit",
+            Self::AtLeast => "at least",
+            Self::Expected => "expected",
+        }
+    }
 }
 
 /// A single one, where several may be given.
@@ -40,6 +66,7 @@ impl Measured {
             value,
             unit: unit.into(),
             limit: None,
+            bound: Bound::Within,
             spread: None,
             n: None,
             is_turn: false,
@@ -56,6 +83,24 @@ impl Measured {
     pub fn limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
         self
+    }
+
+    /// With the limit that it should reach.
+    #[must_use]
+    pub fn at_least(self, limit: f64) -> Self {
+        Self {
+            bound: Bound::AtLeast,
+            ..self.limit(limit)
+        }
+    }
+
+    /// With the value that it should have.
+    #[must_use]
+    pub fn expected(self, value: f64) -> Self {
+        Self {
+            bound: Bound::Expected,
+            ..self.limit(value)
+        }
     }
 
     /// An angle between a frame or an orientation and what it should be: reports add by how much it moves distant points.

@@ -72,7 +72,7 @@ const FAULTS: &[Fault] = &[
     (
         "the cloud mirrored",
         ["table: vlp16", "mirrored: true, table: vlp16"],
-        &["AXES11 error /points mirrored", "TIME07 warning /points mirrored"],
+        &["AXES11 error /points mirrored"],
     ),
 ];
 

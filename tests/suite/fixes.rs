@@ -553,6 +553,17 @@ const ROBOT: &str = "<robot name=\"r\">\r\n  <link name=\"base_link\"/>\r\n  <li
                      <joint name=\"a\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"camera_link\"/><origin xyz=\"1 0 1\" rpy=\"0 0 1.57\"/></joint>\r\n  \
                      <joint name=\"b\" type=\"fixed\"><parent link=\"camera_link\"/><child link=\"camera_optical_frame\"/><origin xyz=\"0 0 0\" rpy=\"0 0 0\"/></joint>\r\n</robot>\r\n";
 
+/// The third axis is missing: the nearest rotation is a guess, though its angle to the matrix is zero.
+#[test]
+fn a_matrix_without_one_of_its_axes_gets_no_fix() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "base_link_from_camera:\n  - [1.0, 0.0, 0.0, 0.338]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.0, 0.0, 0.0, 0.99]\n  - [0.0, 0.0, 0.0, 1.0]\n";
+    fs::write(folder.path().join("camera.yaml"), text).unwrap();
+    let run = check(folder.path(), &["ROT02"]);
+    assert_eq!(run.verdict.findings.len(), 1);
+    assert!(with_fix(&run).is_empty());
+}
+
 #[test]
 #[cfg(unix)]
 fn the_program_shows_and_applies_fixes_by_how_safe_they_are() {

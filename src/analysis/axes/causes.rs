@@ -357,7 +357,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "turned-mount",
-        text: "the sensor is mounted with a yaw, or its y axis points forward, and TF does not include it",
+        text: "the sensor is mounted with a yaw that TF does not include",
         help: "add the sensor's yaw to its frame in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,

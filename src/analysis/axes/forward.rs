@@ -69,10 +69,10 @@ impl Yaw {
                 .samples(self.pairs as u64),
             match self.sure {
                 YawCertainty::Resultant(resultant) => {
-                    Measured::new("resultant", resultant, "1").limit(limits.min_resultant)
+                    Measured::new("agreement of the directions", resultant, "1").at_least(limits.min_resultant)
                 }
                 YawCertainty::Search(t) => {
-                    Measured::new("standard errors between this yaw and the next", t, "1").limit(SEARCH_T)
+                    Measured::new("standard errors between this yaw and the next", t, "1").at_least(SEARCH_T)
                 }
             },
         ]

@@ -110,12 +110,12 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Estimate<WorldUp> {
         World::Far
     } else if force.concentration >= limits.min_concentration {
         return little(format!(
-            "the mean acceleration is {degrees:.2} deg from up (concentration {:.3}): more than {} deg, but not clearly a fault",
+            "the mean acceleration is {degrees:.2} deg from up (agreement {:.3}): more than {} deg, but not clearly a fault",
             force.concentration, limits.max_tilt_deg
         ));
     } else {
         return little(format!(
-            "the acceleration has no steady direction in the world: {degrees:.0} deg from up on average, concentration {:.3}",
+            "the acceleration has no steady direction in the world: {degrees:.0} deg from up on average, agreement {:.3}",
             force.concentration
         ));
     };

@@ -40,10 +40,10 @@ impl HeadingFit {
             Sense::Right => (right, left),
         };
         [
-            Measured::new("resultant of the better sense", best, "1")
-                .limit(limits.min_resultant)
+            Measured::new("agreement of the better sense", best, "1")
+                .at_least(limits.min_resultant)
                 .samples(samples),
-            Measured::new("resultant of the other sense", other, "1").samples(samples),
+            Measured::new("agreement of the other sense", other, "1").samples(samples),
             self.offset(),
             Measured::count("windows with a turn", heading.votes.iter().sum()),
         ]

@@ -39,7 +39,7 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
                 "origin",
                 format!("the origin of the grid is no valid pose: its quaternion has norm {norm:.3}"),
                 "fill in the whole pose; w = 1 is the identity, a quaternion of zeros is invalid",
-                Measured::new("norm of the origin's quaternion", norm, "1").limit(1.0),
+                Measured::new("norm of the origin's quaternion", norm, "1").expected(1.0),
             )
             .detail(format!("Its position is {:?}.", grid.position))
             .error(),
@@ -63,7 +63,7 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
                     grid.cells[0], grid.cells[1]
                 ),
                 "set width and height to the counts of cells; the data are row by row, along x first",
-                Measured::new("cells of the data", data as f64, "count").limit(count),
+                Measured::new("cells of the data", data as f64, "count").expected(count),
             )
             .error(),
         );
@@ -122,7 +122,7 @@ fn origin(projection: &Projection, grid: &Grid) -> Option<Fault> {
             "origin",
             format!("the origin of the grid is {:?}, not x, y and yaw", grid.origin),
             "write x and y of the lower left cell in metres, and the yaw in radians",
-            Measured::count("numbers of the origin", grid.origin.len()).limit(3.0),
+            Measured::count("numbers of the origin", grid.origin.len()).expected(3.0),
         );
         return Some(fault.error());
     }
@@ -179,7 +179,7 @@ fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
                     relation,
                     format!("the map of cells to metres contradicts the declared columns and rows: {what}"),
                     "correct one of the two: rows of arrays grow with y, rows of images downwards",
-                    determinant.limit(declared),
+                    determinant.expected(declared),
                 )
                 .error(),
             );
@@ -196,7 +196,7 @@ fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
                     "resolution",
                     format!("the map of cells to metres has cells of {side} m, but the resolution is {resolution_m} m"),
                     "correct one of the two",
-                    Measured::new("side of a cell", side, "m").limit(resolution_m),
+                    Measured::new("side of a cell", side, "m").expected(resolution_m),
                 )
                 .error(),
             );
@@ -300,7 +300,7 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
                 sent.resolution_m
             ),
             "use the declaration that belongs to this map: one of the two is of another map or version",
-            Measured::new("resolution as sent", sent.resolution_m, "m").limit(resolution_m),
+            Measured::new("resolution as sent", sent.resolution_m, "m").expected(resolution_m),
         ));
     }
     let [x, y, rest @ ..] = grid.origin.as_slice() else {

@@ -219,7 +219,7 @@ fn size(clouds: &Clouds, image: &RangeImage, measured: &mut Vec<Measured>) -> Op
             detail: String::new(),
             relation: "size",
             help: "declare the rows and columns of the sensor, or an integer fraction of them",
-            measured: Measured::new(format!("declared {what}"), f64::from(declared), "count").limit(f64::from(seen)),
+            measured: Measured::new(format!("declared {what}"), f64::from(declared), "count").expected(f64::from(seen)),
             is_certain: true,
         })
     })
@@ -254,8 +254,8 @@ fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Ve
     if most < limits.min_resultant {
         return None;
     }
-    measured.push(Measured::new("resultant, clockwise", clockwise, "1").limit(limits.min_resultant));
-    measured.push(Measured::new("resultant, counter-clockwise", counter, "1"));
+    measured.push(Measured::new("agreement, clockwise", clockwise, "1").at_least(limits.min_resultant));
+    measured.push(Measured::new("agreement, counter-clockwise", counter, "1"));
     let word = |sense| {
         if sense == Sense::Clockwise {
             "clockwise"
@@ -270,7 +270,7 @@ fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Ve
             word(seen),
             clouds.topic.topic
         ),
-        detail: format!("The resultant of the azimuths for this direction is {most:.2} of 1."),
+        detail: format!("The agreement of the azimuths for this direction is {most:.2} of 1."),
         relation: "mirrored",
         help: "reverse the azimuth: u = (1 - (azimuth + pi) / 2 pi) * W for clockwise columns",
         measured: Measured::new("angle between the two after 180 deg", PI.to_degrees(), "deg"),

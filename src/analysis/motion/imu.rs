@@ -51,7 +51,10 @@ impl Imu {
     /// The sensor's mounting on its base, as a clause for reports.
     pub(crate) fn mounting(&self) -> String {
         match (&self.mount, &self.stream.frame) {
-            (Some(mount), _) if mount.is_base => format!("its frame `{}` is the base", mount.base),
+            (Some(mount), _) if mount.is_base => format!(
+                "the messages are in `{}`, the base itself, so no transform rotates them",
+                mount.base
+            ),
             (Some(mount), Some(frame)) => {
                 let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
                 format!("`{}_from_{frame}` rotates by {degrees:.1} deg", mount.base)

@@ -98,7 +98,7 @@ impl Tilts {
                 self.reordered.turned_rad.to_degrees(),
                 "deg",
             )
-            .limit(limits.min_turn_deg),
+            .at_least(limits.min_turn_deg),
         ]
     }
 }

@@ -317,7 +317,7 @@ fn evidence(page: &Page, shown: &ShownFindings, drawn: &PlotMarkup, item: &Item)
 fn number(measured: &Measured) -> Markup {
     let spelled = NumberText::new(measured);
     let mut rest = String::new();
-    for (name, value) in [("limit", &spelled.limit), ("spread", &spelled.spread)] {
+    for (name, value) in [(measured.bound.word(), &spelled.limit), ("spread", &spelled.spread)] {
         if let Some(value) = value {
             let _ = write!(rest, ", {name} {value}");
         }

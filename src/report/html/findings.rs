@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use crate::source::{Confidence, Place, SourcePart};
-use crate::verdict::{Finding, Fix, Label, Measured, Safety, Severity};
+use crate::verdict::{Bound, Finding, Fix, Label, Measured, Safety, Severity};
 
 use super::super::terminal::{NumberText, message_words};
 use super::super::text::plural;
@@ -176,7 +176,10 @@ fn numbers(measured: &[Measured]) -> Markup {
                         tr {
                             th scope="row" { (words(&one.what)) }
                             td { strong { (plain(&spelled.value)) } }
-                            td { (spelled.limit.as_deref().map_or_else(|| "–".to_owned(), plain)) }
+                            td {
+                                @if one.bound != Bound::Within { (one.bound.word()) " " }
+                                (spelled.limit.as_deref().map_or_else(|| "–".to_owned(), plain))
+                            }
                             @if spread { td { (spelled.spread.as_deref().map_or_else(|| "–".to_owned(), plain)) } }
                             @if n { td { (one.n.map_or_else(|| "–".to_owned(), |n| n.to_string())) } }
                         }

@@ -149,7 +149,7 @@ pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let spelled = NumberText::new(measured);
     let mut words = format!("{} = {}", measured.what, spelled.value);
     if let Some(limit) = spelled.limit {
-        let _ = write!(words, ", limit {limit}");
+        let _ = write!(words, ", {} {limit}", measured.bound.word());
     }
     if let Some(spread) = spelled.spread {
         let _ = write!(words, ", spread {spread}");

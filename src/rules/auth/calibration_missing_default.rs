@@ -34,7 +34,10 @@ impl Rule for CalibrationMissingDefault {
                 let why = source.detail.as_deref().unwrap_or("it cannot be read");
                 let message = format!("calibration file `{}` contains no transform", source.path);
                 let subject = format!("calibration {}", source.path);
-                out.fail(finding(subject, message, Place::whole(source.id), stand_in, true).detail(why));
+                out.fail(
+                    finding(subject, message, Place::whole(source.id), stand_in, true)
+                        .detail(format!("Reason: {why}.")),
+                );
             }
         }
     }
@@ -77,7 +80,7 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
         (false, None) => Finding::warning(subject, message, place).hint(),
     };
     let finding = finding
-        .help("add the file, and let the loader fail without it: a missing calibration must not become the identity")
+        .help("write the calibration into that file, and let the loader fail without it: a missing calibration must not become the identity")
         .measured(Measured::count("calibration files without content", 1).limit(0.0));
     match stand_in {
         Some(claim) => finding.related(claim.place.clone(), "a sensor is mounted here with the identity"),

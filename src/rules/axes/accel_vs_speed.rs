@@ -34,12 +34,13 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
             "1",
         )
         .samples(pairs),
-        Measured::new("t", pushed.forward.t().abs().max(pushed.sideways.t().abs()), "1").limit(limits.min_t),
+        Measured::new("t", pushed.forward.t().abs().max(pushed.sideways.t().abs()), "1").at_least(limits.min_t),
     ];
     if pushed.class == Push::Forward {
         return out.pass(subject, measured);
     }
     let (axis, gain) = match pushed.class {
+        Push::Sideways if pushed.sideways.gain < 0.0 => ("-y", pushed.sideways.gain),
         Push::Sideways => ("y", pushed.sideways.gain),
         _ => ("-x", pushed.forward.gain),
     };
@@ -47,8 +48,10 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
         "`{}`: acceleration when speeding up is along {axis}, not along x (gain {gain:+.2})",
         imu.stream.topic
     );
+    // Forward in the sensor's axes is (cos, -sin) of its yaw.
+    let yaw_deg = (-pushed.sideways.gain).atan2(pushed.forward.gain).to_degrees();
     let detail = format!(
-        "Compared with the change of speed of {}. Mounting: {}.",
+        "Compared with the change of speed of {}. A yaw of about {yaw_deg:+.0} deg of the sensor explains it. Mounting: {}.",
         pushed.track,
         imu.mounting()
     );

@@ -24,8 +24,8 @@ impl Rule for BaseFrameFlu {
 
 fn judge_seen(base: &Base, subject: String, seen: &BaseEstimate, limits: &Limits, out: &mut Judge) {
     let measured = [
-        Measured::new("agreement on the forward direction", seen.concentration, "1").limit(limits.min_concentration),
-        Measured::new("distance", seen.way_m, "m").limit(limits.min_way_m),
+        Measured::new("agreement on the forward direction", seen.concentration, "1").at_least(limits.min_concentration),
+        Measured::new("distance", seen.way_m, "m").at_least(limits.min_way_m),
     ];
     let Some(up) = seen.up else {
         return out.too_little(subject, "no axis of it points up steadily by its pose");

@@ -24,6 +24,7 @@ impl Rule for GnssVsOdomHandedness {
                 let (satellites, minor_m) = (fixes.track(), min_minor_m(fixes, limits));
                 let exchanged = OnceCell::new();
                 let exchanged = || exchanged.get_or_init(|| exchanged_track(fixes)).as_deref();
+                let mut cause: Option<String> = None;
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     if poses.is_earth_centred() {
@@ -49,7 +50,12 @@ impl Rule for GnssVsOdomHandedness {
                         }
                     };
                     match swapped {
-                        Some(finding) => out.fail(better(Finding { subject, ..finding })),
+                        Some(finding) => {
+                            // The fault is of the fixes: it is reported once, whatever they are compared with.
+                            let finding = cause.iter().fold(finding, Finding::same_cause_as);
+                            cause.get_or_insert_with(|| subject.clone());
+                            out.fail(better(Finding { subject, ..finding }));
+                        }
                         None => judge_votes(&subject, poses, fixes, (&votes, better), minor_m, limits, out),
                     }
                 }
@@ -107,7 +113,7 @@ fn judge_votes(
     let measured = [
         Measured::new("residual, rotated", rms_turned, "m").samples(all as u64),
         Measured::new("residual, mirrored", rms_mirrored, "m").samples(all as u64),
-        Measured::new("agreement of windows", agreement, "1").limit(limits.min_agreement),
+        Measured::new("agreement of windows", agreement, "1").at_least(limits.min_agreement),
     ];
     if !is_mirrored {
         return out.pass(subject, measured);
@@ -201,9 +207,9 @@ pub(crate) fn swapped<'t>(
     let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");
     let finding = finding
         .detail(format!(
-            "As published, the better fit leaves a residual of {as_published_m:.2} m."
+            "As published, the best fit, rotated or mirrored, leaves a residual of {as_published_m:.2} m."
         ))
-        .related(poses.place(), "track compared with")
+        .related(poses.place(), "compared with this track")
         .help("swap the two fields: NavSatFix has latitude first, while GeoJSON, KML and map shapefiles have longitude first");
     Some(finding.measured(Measured::new("residual, swapped back", rms_m, "m").samples(all as u64)))
 }

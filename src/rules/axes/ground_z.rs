@@ -316,7 +316,7 @@ fn applied_already(
         Finding::error(subject, message, clouds.place())
             .likely()
             .relation("twice")
-            .detail("The ground in the cloud is where it is in the base; TF applies the extrinsic again.")
+            .detail("As published, the ground is at the height that it has in the base, and not below the sensor by its mounting height; TF applies the extrinsic again.")
             .measured(
                 Measured::new(
                     "height of the sensor above the ground, if the points are expressed in the base",

@@ -29,8 +29,8 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &GyroFi
     } = turned.slope;
     let measured = [
         Measured::new("yaw rate over turn rate of the course", slope, "1").samples(pairs as u64),
-        Measured::new("correlation", correlation, "1").limit(limits.min_correlation),
-        Measured::new("t", turned.slope.t().abs(), "1").limit(limits.min_t),
+        Measured::new("correlation", correlation, "1").at_least(limits.min_correlation),
+        Measured::new("t", turned.slope.t().abs(), "1").at_least(limits.min_t),
     ];
     if turned.class == Sense::With {
         return out.pass(subject, measured);

@@ -56,7 +56,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         );
     }
     let measured = Measured::new("median magnitude of the acceleration", force, "m/s2")
-        .limit(limits.gravity)
+        .expected(limits.gravity)
         .samples(imu.stream.rows().count() as u64);
     let is_near = |length: f64, unit: f64| (length / unit - 1.0).abs() <= limits.gravity_share;
     let near = |unit: f64| is_near(force, unit);
@@ -67,7 +67,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let world = world_mean(imu).map(|mean| mean.norm());
     if let Some(world) = world.filter(|world| is_near(*world, limits.gravity)) {
         let of_world = Measured::new("magnitude of the mean acceleration in the world", world, "m/s2");
-        return out.pass(subject, [measured, of_world.limit(limits.gravity)]);
+        return out.pass(subject, [measured, of_world.expected(limits.gravity)]);
     }
     // A drive ends about as fast as it began: without gravity the mean is near zero.
     let is_free = force <= limits.max_free

@@ -1,5 +1,6 @@
 //! AXES12: direction of a lidar's x axis, by its direction of motion.
 
+use crate::advice::places::with_mounting;
 use crate::analysis::axes::forward::{Limits, Yaw, look};
 use crate::analysis::{hand_eye::HandEye, lidar::Clouds, sensor::lidar_turn, sensor::lidar_turn::Origin};
 use crate::rules::prelude::*;
@@ -71,7 +72,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .likely()
         .relation(relation)
         .detail(detail)
-        .related(known.poses.1.clone(), "motion compared with")
+        .related(known.poses.1.clone(), "compared with this motion")
         .help(format!(
             "rotate the mounting transform by {:+.1} deg about z of `{}` (multiply from the left)",
             yaw.off_deg, known.body
@@ -85,5 +86,6 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         Some(Origin::Driver) => finding.unless(codes::SENSOR04),
         None => finding,
     };
-    out.fail(known.stated_at(world, finding.measured(measured)));
+    let mounting = [&known.body, &known.lidar];
+    out.fail(with_mounting(world, mounting, finding.measured(measured)));
 }

@@ -38,7 +38,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
             .turn()
             .limit(limits.warning_deg)
             .samples(gravity.rows),
-        Measured::new("agreement", gravity.concentration, "1").limit(limits.min_concentration),
+        Measured::new("agreement", gravity.concentration, "1").at_least(limits.min_concentration),
         Measured::new("time", gravity.seconds, "s"),
     ];
     if degrees <= limits.warning_deg {
@@ -151,8 +151,8 @@ fn judge_heights(
 ) {
     let measured = [
         Measured::new("change of z over change of the altitude", heights.slope, "1").samples(heights.points as u64),
-        Measured::new("correlation", heights.correlation, "1").limit(limits.min_correlation),
-        Measured::new("rms of the altitude", heights.rms_m[0], "m").limit(limits.min_rms_m),
+        Measured::new("correlation", heights.correlation, "1").at_least(limits.min_correlation),
+        Measured::new("rms of the altitude", heights.rms_m[0], "m").at_least(limits.min_rms_m),
     ];
     if heights.slope > 0.0 {
         return out.pass(subject, measured);

@@ -29,8 +29,8 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp,
             .turn()
             .limit(limits.max_tilt_deg)
             .samples(rows),
-        Measured::new("concentration", above.force.concentration, "1")
-            .limit(limits.min_concentration)
+        Measured::new("agreement of the directions", above.force.concentration, "1")
+            .at_least(limits.min_concentration)
             .samples(rows),
         Measured::new("time", above.seconds, "s"),
     ];
@@ -85,10 +85,7 @@ fn other_readings(above: &WorldUp) -> String {
             Reading::Wxyz => "as w, x, y, z",
             _ => "as w, x, y, z and inverted",
         };
-        format!(
-            "{how}: {degrees:.0} deg from up (concentration {:.3})",
-            mean.concentration
-        )
+        format!("{how}: {degrees:.0} deg from up (agreement {:.3})", mean.concentration)
     });
     format!("With the quaternion read {}.", words.collect::<Vec<_>>().join("; "))
 }

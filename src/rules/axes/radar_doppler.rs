@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
+use crate::advice::places::with_mounting;
 use crate::analysis::radar::{MotionSource, Radar, Scan, ScanCriteria, found_again, scans};
 use crate::math::circular::{circular_mean, difference, wrapped};
 use crate::math::{doppler::MatchGate, stats::median};
@@ -142,7 +143,7 @@ fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judg
     }
     let moving: Vec<Scan> = agreed.iter().filter(|scan| !is_still(scan)).copied().collect();
     let seen = estimate(way, &moving, limits)?;
-    judge_seen(radar, way, &seen, limits, out)
+    judge_seen(world, radar, way, &seen, limits, out)
 }
 
 /// The rates of static objects are zero.
@@ -177,10 +178,10 @@ fn judge_still(
         .confidence(confidence(radar))
         .relation("ego-compensated")
         .detail(format!("Most detections agree on this velocity; the speed is by {}.", way.subject))
-        .related(way.place.clone(), "motion compared with")
+        .related(way.place.clone(), "compared with this motion")
         .measured(Measured::new("velocity by the rates", fitted, "m/s").limit(limits.still * speed).samples(agreed.len() as u64))
-        .measured(Measured::new("speed", speed, "m/s").limit(limits.min_speed_m_s))
-        .measured(Measured::new("share of the detections that agree", share, "1").limit(limits.min_share))
+        .measured(Measured::new("speed", speed, "m/s").at_least(limits.min_speed_m_s))
+        .measured(Measured::new("share of the detections that agree", share, "1").at_least(limits.min_share))
         .measured(Measured::new("share with the rates of static objects", as_expected, "1").limit(limits.max_as_expected))
         .help(
             "publish the measured range rate, and the compensated one in its own field: a consumer that compensates again sees static \
@@ -266,6 +267,7 @@ fn estimate(way: &MotionSource, scans: &[Scan], limits: &Limits) -> Result<Direc
 }
 
 fn judge_seen(
+    world: &Estimates,
     radar: &Radar,
     way: &MotionSource,
     seen: &DirectionEstimate,
@@ -311,7 +313,8 @@ fn judge_seen(
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
-    out.fail(turned(radar, way, seen, off_rad, limits));
+    let finding = turned(radar, way, seen, off_rad, limits);
+    out.fail(with_mounting(world, [&way.body, &way.radar], finding));
     Ok(())
 }
 
@@ -344,7 +347,7 @@ fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure
         .confidence(confidence(radar))
         .relation(relation)
         .detail(detail)
-        .related(way.place.clone(), "motion compared with")
+        .related(way.place.clone(), "compared with this motion")
         .help(
             "publish range rates that are negative for approaching objects (v_r = -v . d for static ones), or configure the sign of this \
              driver in every consumer",
@@ -367,13 +370,13 @@ fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: 
         ""
     };
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {lacks_deg:+.1} deg, by the range rates of {}",
+        "`{}_from_{}` is off by a yaw of {lacks_deg:+.1} deg, by the range rates of {}",
         way.body,
         way.radar,
         radar.said.subject()
     );
     let detail = format!(
-        "Static objects approach from another direction than {} moves to.{also}",
+        "The range rates of static objects give another direction of motion than {} has.{also}",
         way.subject
     );
     let finding = if off_deg.abs() > limits.error_deg {
@@ -385,7 +388,7 @@ fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: 
         .confidence(confidence(radar))
         .relation("mount-yaw")
         .detail(detail)
-        .related(way.place.clone(), "motion compared with")
+        .related(way.place.clone(), "compared with this motion")
         .help(format!(
             "rotate the mounting by {lacks_deg:+.1} deg about z of `{}` (multiply from the left of the existing rotation)",
             way.body
@@ -405,17 +408,20 @@ fn measured(seen: &DirectionEstimate, off_rad: f64, limits: &Limits) -> Vec<Meas
         .limit(limits.pass_deg)
         .spread(seen.error_rad.to_degrees())
         .samples(seen.scans as u64),
-        Measured::new("resultant", seen.resultant, "1").limit(limits.min_resultant),
+        Measured::new("agreement of the directions", seen.resultant, "1").at_least(limits.min_resultant),
         Measured::new("speed by the rates over that of the platform", seen.scale, "1"),
-        Measured::new("share of the detections that agree", seen.share, "1").limit(limits.min_share),
+        Measured::new("share of the detections that agree", seen.share, "1").at_least(limits.min_share),
         Measured::new(
             "largest velocity added by rotation (yaw rate times lever arm)",
             lever_m_s,
             "m/s",
         ),
         Measured::new("largest change of direction by that", lever_rad.to_degrees(), "deg"),
-        Measured::count("detections found again with the sign as published", same),
-        Measured::count("detections found again with the opposite sign", other),
+        Measured::count(
+            "detections that are where the rates predict them, sign as published",
+            same,
+        ),
+        Measured::count("detections that are where the rates predict them, opposite sign", other),
     ]
 }
 

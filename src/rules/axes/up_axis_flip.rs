@@ -85,7 +85,7 @@ fn judge_side(
     let measured = [
         Measured::new(format!("angle between {word} and up"), off_deg, "deg").limit(limits.max_off_deg),
         Measured::new("cells on the ground, reduced by points below it", least.score, "1")
-            .limit(min_score)
+            .at_least(min_score)
             .samples(of_side().count() as u64),
         Measured::new("the same for the next best side", next, "1"),
     ];

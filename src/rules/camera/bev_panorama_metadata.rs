@@ -122,7 +122,7 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
             "resized",
             format!("the panorama is declared with {width} x {height} pixels, but its images have {seen_width} x {seen_height}"),
             "declare the size of the images, or scale columns and rows before converting them to angles",
-            Measured::new("declared width", f64::from(width), "count").limit(f64::from(seen_width)),
+            Measured::new("declared width", f64::from(width), "count").expected(f64::from(seen_width)),
         ));
     }
     if panorama.azimuth == Some(Sense::CounterClockwise) {
@@ -130,7 +130,7 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
             "mirrored",
             "the panorama is mirrored: its azimuth is declared to grow counter-clockwise with the column".to_owned(),
             "use u = W (pi - azimuth) / 2 pi for a counter-clockwise azimuth (REP-103); u = W (azimuth + pi) / 2 pi is for a clockwise one",
-            Measured::new("sense of the columns, clockwise positive", -1.0, "1").limit(1.0),
+            Measured::new("sense of the columns, clockwise positive", -1.0, "1").expected(1.0),
         ));
     }
     if faults.is_empty() {

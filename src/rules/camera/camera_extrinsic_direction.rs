@@ -228,6 +228,8 @@ fn judge_claim(
             let finding = Finding::warning(subject, message, claim.place.clone())
                 .confidence(claim.reading.min(Confidence::Likely))
                 .relation("inverse")
+                .unless_relation(codes::CROSS02)
+                .unless_relation(codes::CROSS07)
                 .detail(format!(
                     "Compared with {pair} of the robot: {:.2} m and {:.0} deg off as read, {:.2} m and {:.1} deg inverted.",
                     as_read.0, as_read.1, inverse.0, inverse.1

@@ -98,7 +98,7 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
             radius / border,
             "1",
         )
-        .limit(limits.least_reach),
+        .at_least(limits.least_reach),
     };
     if let Reach::Folds { radius, angle_rad } = reach
         && radius < limits.least_reach * border

@@ -215,8 +215,8 @@ fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits:
     }
     let (x, y) = (image_width / width, image_height / height);
     let measured = [
-        Measured::new("width over the calibrated width", x, "1").limit(1.0),
-        Measured::new("height over the calibrated height", y, "1").limit(1.0),
+        Measured::new("width over the calibrated width", x, "1").expected(1.0),
+        Measured::new("height over the calibrated height", y, "1").expected(1.0),
     ];
     // Binning leaves a pixel over.
     if (image_width - width).abs() < 1.0 && (image_height - height).abs() < 1.0 {

@@ -45,7 +45,7 @@ fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
     let (error, determinant) = (orthogonality_error(&r), r.determinant());
     let measured = [
         Measured::new("largest entry of R R^T - I", error, "1").limit(limits.orthonormal),
-        Measured::new("determinant of R", determinant, "1").limit(1.0),
+        Measured::new("determinant of R", determinant, "1").expected(1.0),
     ];
     if error <= limits.orthonormal && determinant > 0.0 {
         return out.pass(subject, measured);

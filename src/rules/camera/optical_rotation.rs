@@ -45,7 +45,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
     let down = -(turned * Vector3::y()).z;
     let measured = [
         Measured::new("pitch of the view over the horizon", pitch_deg, "deg").limit(limits.max_pitch_deg),
-        Measured::new("cosine between the image's down and the base's down", down, "1").limit(limits.min_down),
+        Measured::new("cosine between the image's down and the base's down", down, "1").at_least(limits.min_down),
     ];
     let Some(place) = world
         .graph()

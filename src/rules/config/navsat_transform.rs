@@ -139,7 +139,7 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
     let east_or_west = if declination > 0.0 { "east" } else { "west" };
     // The node adds the value to a yaw that increases counter-clockwise; magnetic north in the east makes that yaw too large.
     let needed = -declination;
-    let measured = Measured::new("value by the World Magnetic Model", needed, "deg").limit(written_deg);
+    let measured = Measured::new("value by the World Magnetic Model", needed, "deg").expected(written_deg);
     let near = |value: f64| (written_deg - value).abs() <= limits.agree_deg;
     if !near(needed) && near(-needed) && declination.abs() >= limits.least_deg {
         let message = format!("`{DECLINATION}` has the wrong sign: {written_deg:+.1} deg instead of {needed:+.1} deg");

@@ -59,7 +59,7 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         let message = format!("static_transform_publisher cannot read the arguments of `{name}`");
         return Some((
             message,
-            why.clone(),
+            format!("Reason: {why}."),
             "write x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
         ));
     }

@@ -59,18 +59,18 @@ fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
         Measured::new(
-            "direction of the long axis as published, mean resultant length",
+            "direction of the long axis as published, agreement of the directions",
             axes.constant,
             "1",
         )
         .samples(n),
         Measured::new(
-            "direction of the long axis minus the yaw, mean resultant length",
+            "direction of the long axis minus the yaw, agreement of the directions",
             axes.less_yaw,
             "1",
         )
         .samples(n),
-        Measured::new("ratio of the axes", axes.stretch, "1").limit(limits.min_stretch),
+        Measured::new("ratio of the axes", axes.stretch, "1").at_least(limits.min_stretch),
     ]
 }
 
@@ -106,7 +106,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
         .likely()
         .relation("in-world")
         .unless(codes::AXES08)
-        .detail("The long axis of its ellipse keeps its direction in the world and rotates in the child frame, in which the velocity is expressed (a resultant length of 1 is a constant direction).")
+        .detail("The long axis of its ellipse keeps its direction in the world and rotates in the child frame, in which the velocity is expressed (an agreement of 1 is a constant direction).")
         .help("publish it in the child frame: `C_body = R^T C_world R` for both 3x3 blocks, with `R` the orientation of the pose");
     out.fail(finding.measured(measured));
 }

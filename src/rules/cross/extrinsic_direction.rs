@@ -1,5 +1,6 @@
 //! CROSS04: an inverted mounting transform, by the motions of lidar and body.
 
+use crate::advice::places::with_mounting;
 use crate::analysis::cross::direction::{DirectionFit, Limits, Reading, look};
 use crate::analysis::lidar::Clouds;
 use crate::rules::prelude::*;
@@ -59,7 +60,8 @@ fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limi
                     seen.known.lidar.to_string(),
                     seen.known.stated.inverse(),
                 );
-            out.fail(seen.known.stated_at(world, finding.measured(measured)));
+            let mounting = [&seen.known.body, &seen.known.lidar];
+            out.fail(with_mounting(world, mounting, finding.measured(measured)));
         }
         Some(_) => {
             out.not_applicable(

@@ -11,7 +11,7 @@ impl PolicyRule for UnusedWaiver {
         for one in applied {
             let waiver = &one.waiver;
             let subject = crate::advice::waiver::subject(waiver);
-            let matched = Measured::count("matching findings", one.matched).limit(1.0);
+            let matched = Measured::count("matching findings", one.matched).at_least(1.0);
             if one.matched > 0 {
                 out.pass(subject, [matched]);
             } else if let Some(why) = &one.unjudged {

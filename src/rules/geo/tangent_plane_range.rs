@@ -11,7 +11,8 @@ use crate::world::motion::PoseRow;
 pub(crate) struct TangentPlaneRange;
 
 /// What to do where z is no altitude.
-const CONVERT: &str = "convert heights of fixes and elevation maps in all three coordinates, not by a constant shift";
+const CONVERT: &str = "where it meets altitudes (fixes, elevation maps), convert latitude, longitude and altitude together to east, north, up at the \
+     origin (GeographicLib: LocalCartesian); subtracting the altitude of the origin is not enough";
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -188,14 +189,14 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
         Some(HeightModel::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
         Some(HeightModel::Plane) => {
             let message = format!(
-                "{subject}: z is height over a plane, {departure_m:.2} m from altitude at {:.1} km",
+                "{subject}: z is up in a tangent plane, {departure_m:.2} m below altitude at {:.1} km",
                 distance_m / 1e3
             );
             let finding = Finding::note(subject, message, place.clone())
                 .likely()
                 .relation("tangent-plane")
                 .detail(
-                    "The heights of the poses follow a plane that touches the ellipsoid at the origin of their frame.",
+                    "That is allowed (ENU, a local Cartesian frame), but the difference grows with the square of the distance.",
                 )
                 .help(CONVERT);
             out.fail(finding.measured(measured));

@@ -120,7 +120,7 @@ fn judge_pair(
         .label(format!("spelled `{odd}`"))
         .related(witness.place.clone(), format!("spelled `{right}`"))
         .help(format!("spell it `{right}` everywhere"))
-        .measured(Measured::count("spellings", 2).limit(1.0));
+        .measured(Measured::count("spellings", 2).expected(1.0));
     // Two links of these names in one file are two frames: renaming one would merge them.
     let spelled = odd_uses.iter().map(|used| &used.frame).collect::<BTreeSet<_>>();
     let edits = match spelled.first() {

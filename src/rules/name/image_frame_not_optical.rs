@@ -61,7 +61,7 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             "rename it to `..._optical_frame` if its z axis points forward; otherwise publish an optical frame",
         ));
     };
-    let measured = Measured::new("vertical component of z", z_up, "1").limit(limits.min_up);
+    let measured = Measured::new("vertical component of z", z_up, "1").at_least(limits.min_up);
     if z_up > limits.min_up && !has_word(frame, UPWARD_WORDS) {
         let message = format!(
             "`{}`: z of `{frame}` points up in `{base}`, so it is not an optical frame",

@@ -4,7 +4,7 @@ use nalgebra::UnitQuaternion;
 
 use crate::advice::places;
 use crate::analysis::name::optical::{Limits, OPTICAL_RPY, is_conclusive, off};
-use crate::analysis::{names, optical::mounts};
+use crate::analysis::{names, optical::mounts, suffix};
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
 use crate::math::{constants::AxisTurn, rotation::rotation_angle_between};
 use crate::rules::prelude::*;
@@ -85,7 +85,10 @@ fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Opti
     let is =
         |turn: UnitQuaternion<f64>| rotation_angle_between(&turn, parent_from_optical).to_degrees() <= limits.exact_deg;
     if is(UnitQuaternion::identity()) {
-        (Some("optical"), "It has no rotation at all.".to_owned())
+        (
+            Some("optical"),
+            "It has the axes of its camera: no rotation at all.".to_owned(),
+        )
     } else if is(AxisTurn::XMinus90.quaternion()) {
         (Some("x-90"), "It is rotated about x only.".to_owned())
     } else {
@@ -98,7 +101,7 @@ fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Opti
             known.map(Relation::word),
             known.map_or(String::new(), |known| match known {
                 Relation::Z180 => "The image would be upside down: 180 deg about the optical axis.".to_owned(),
-                known => format!("The rotation is the right one with this error: {}.", known.word()),
+                known => suffix::directions(parent_from_optical).unwrap_or_else(|| known.describe().to_owned()),
             }),
         )
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::analysis::geo::kinds::single_precision_step_m;
 use crate::analysis::lidar::Clouds;
 use crate::rules::prelude::*;
 
@@ -41,9 +42,10 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let middle = points().map(|point| Vector3::from(point.xyz)).sum::<Vector3<f64>>() / count;
     let origin = middle.map(|value| (value / TILE_M).round() * TILE_M);
     let message = format!(
-        "`{}`: points are up to {:.1} km from the origin, where code in float32 loses digits",
+        "`{}`: points have coordinates up to {:.1} km, where float32 steps by {:.2} m",
         clouds.topic.topic,
-        farthest_m / 1e3
+        farthest_m / 1e3,
+        single_precision_step_m(*farthest_m)
     );
     out.fail(
         Finding::note(subject, message, clouds.place())

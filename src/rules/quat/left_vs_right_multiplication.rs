@@ -118,7 +118,7 @@ fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
     [
         spread("spread of a constant world rotation", &found.left),
         spread("spread of a constant body rotation", &found.right),
-        Measured::new("rotation", found.turned_rad.to_degrees(), "deg").limit(limits.min_turn_deg),
+        Measured::new("rotation", found.turned_rad.to_degrees(), "deg").at_least(limits.min_turn_deg),
     ]
 }
 

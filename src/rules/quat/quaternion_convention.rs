@@ -34,25 +34,25 @@ fn judge_turned(
             .samples(windows),
         Measured::new("residual of the inverse", turned.inverse.residual, "1").samples(windows),
         Measured::new("residual read as w, x, y, z", turned.reordered.residual, "1").samples(windows),
-        Measured::new("rotation", turned.rotation_deg, "deg").limit(limits.min_rotation_deg),
+        Measured::new("rotation", turned.rotation_deg, "deg").at_least(limits.min_rotation_deg),
     ];
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
     }
     let what = match turned.class {
-        Turn::Reordered => "follows its gyro only when read as w, x, y, z".to_owned(),
-        Turn::ReorderedInverse => "follows its gyro only when read as w, x, y, z and inverted".to_owned(),
+        Turn::Reordered => "orientation follows its gyro only when read as w, x, y, z".to_owned(),
+        Turn::ReorderedInverse => "orientation follows its gyro only when read as w, x, y, z and inverted".to_owned(),
         Turn::Partly => {
             let axis = turned.axis.and_then(|axis| ["x", "y", "z"].get(axis)).unwrap_or(&"one");
-            format!("does not follow its gyro about {axis}")
+            format!("orientation does not follow its gyro about {axis}")
         }
-        Turn::Ordered => "follows its gyro only with its Euler angles in another order".to_owned(),
-        Turn::Unrelated => "is not the integral of its gyro".to_owned(),
-        Turn::OneOf(_) => "follows its gyro only in another convention".to_owned(),
-        _ => "rotates opposite to its gyro".to_owned(),
+        Turn::Ordered => "orientation follows its gyro only with its Euler angles in another order".to_owned(),
+        Turn::Unrelated => "orientation is not the integral of its gyro".to_owned(),
+        Turn::OneOf(_) => "orientation follows its gyro only in another convention".to_owned(),
+        _ => "orientation and gyro rotate in opposite directions".to_owned(),
     };
     let message = format!(
-        "`{}`: orientation {what} (residual {:.0} %)",
+        "`{}`: {what} (residual {:.0} %)",
         imu.stream.topic,
         100.0 * turned.as_published.residual
     );

@@ -47,6 +47,12 @@ impl Rule for AngleUnit {
                     &angles,
                     format!("Read as degrees they are the rotation in {}.", world.path(other.source)),
                 );
+                let [as_read, in_degrees] =
+                    readings(angles.rpy).map(|read| rotation_angle_between(&read, &other.pose.rotation).to_degrees());
+                let measured = [
+                    Measured::new("difference from that rotation, read as radians", as_read, "deg"),
+                    Measured::new("difference from that rotation, read as degrees", in_degrees, "deg"),
+                ];
                 out.fail(finding.measured(measured).related(other.place, "the same rotation"));
             } else if angles.rpy.iter().any(|angle| is_over_a_turn(*angle, limits)) {
                 out.fail(
@@ -73,13 +79,15 @@ fn is_over_a_turn(angle: f64, limits: &Limits) -> bool {
     angle.abs() > TAU + limits.over_full_turn_rad && !counted
 }
 
+/// The rotations of roll, pitch, yaw in radians and in degrees.
+fn readings(rpy: [f64; 3]) -> [UnitQuaternion<f64>; 2] {
+    [rpy, rpy.map(f64::to_radians)].map(|[roll, pitch, yaw]| from_rpy(roll, pitch, yaw))
+}
+
 /// The statement of another source that these angles repeat when they are read as degrees, and do not otherwise.
 fn in_degrees_of(angles: &Angles, pairs: &Pairs, limits: &Limits) -> Option<Statement> {
     let (target, source) = angles.frames.as_ref().filter(|_| angles.is_rigid)?;
-    let [roll, pitch, yaw] = angles.rpy;
-    let as_read = from_rpy(roll, pitch, yaw);
-    let [roll, pitch, yaw] = angles.rpy.map(f64::to_radians);
-    let in_degrees = from_rpy(roll, pitch, yaw);
+    let [as_read, in_degrees] = readings(angles.rpy);
     pairs
         .others(target, source, angles.place.source)
         .into_iter()

@@ -31,7 +31,7 @@ impl Rule for NonFiniteOrZero {
                 let finding = Finding::error(stated.subject(world), message, place)
                     .label("0 0 0 0")
                     .help("write the measured rotation, or 0 0 0 1 (x y z w) for no rotation")
-                    .measured(Measured::new("norm of the quaternion", 0.0, "1").limit(1.0));
+                    .measured(Measured::new("norm of the quaternion", 0.0, "1").expected(1.0));
                 out.fail(finding);
             }
         }

@@ -83,7 +83,7 @@ fn reflection(world: &World, parts: &Parts, determinant: f64, pairs: &Pairs) -> 
         .help(
             "correct the sign or the order of the axes where the matrix is computed; do not replace it by the nearest rotation, which hides the error",
         )
-        .measured(Measured::new("determinant", determinant, "1").limit(1.0));
+        .measured(Measured::new("determinant", determinant, "1").expected(1.0));
     if let Some(flip) = flip {
         finding = finding.relation(word(flip));
     }

@@ -69,6 +69,13 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
             format!("matrix `{label}` is no rotation: it includes a scale factor of {factor:.6}"),
             "All three axes have this length.".to_owned(),
         ),
+        None if parts.rotation.determinant().abs() < 0.5 => (
+            format!(
+                "matrix `{label}` is no rotation: its determinant is {:.3}, not 1",
+                parts.rotation.determinant()
+            ),
+            "Probably an entry is missing or in the wrong place: the axes do not span space.".to_owned(),
+        ),
         None => (
             format!("matrix `{label}` is no rotation: R^T R differs from the identity by {error:.1e}"),
             format!("Rounding to the printed digits explains {allowed:.1e}."),
@@ -95,8 +102,16 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let safety = scale.map_or(Safety::Safe, |_| Safety::ChangesBehaviour);
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
+    // The angle alone is zero where a column is missing, too.
+    let change = parts.rotation - nearest.rotation.matrix();
+    let is_slight = scale.is_some()
+        || change
+            .column_iter()
+            .all(|axis| axis.norm() <= limits.fix_deg.to_radians());
     match parts.replace_rotation(world, nearest.rotation.matrix()) {
-        Some(edits) if moved_deg <= limits.fix_deg => finding.fix("replace it by the nearest rotation", safety, edits),
+        Some(edits) if is_slight && moved_deg <= limits.fix_deg => {
+            finding.fix("replace it by the nearest rotation", safety, edits)
+        }
         _ => finding,
     }
 }

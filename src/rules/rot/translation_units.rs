@@ -124,7 +124,7 @@ fn against_others(
                     .relation(unit)
                     .detail(format!("The same transform is in {}.", world.path(other.source)))
                     .related(other.place, "the same mounting in metres")
-                    .measured(Measured::new("ratio of the lengths", ratio, "1").limit(factor))
+                    .measured(Measured::new("ratio of the lengths", ratio, "1").expected(factor))
             })
         })
 }
@@ -178,6 +178,7 @@ fn subject(world: &World, source: SourceId, stated: &StatedTranslation) -> Strin
 fn finish(world: &World, finding: Finding, source: SourceId, stated: &StatedTranslation, factor: f64) -> Finding {
     let finding = finding
         .label("read as metres")
+        .unless_relation(codes::CROSS02)
         .help(format!(
             "divide the three numbers by {factor}, or convert where the file is written"
         ))

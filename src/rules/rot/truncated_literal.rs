@@ -86,7 +86,7 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
         count => format!(" (and {count} more angles)"),
     };
     let message = format!(
-        "`{}` of {} is {:.4} deg off a multiple of pi{others}",
+        "`{}` of {} has too few digits of pi: it is {:.4} deg off{others}",
         worst.literal.text,
         worst.name,
         worst.error_rad().to_degrees(),
@@ -98,10 +98,7 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
     let subject = format!("truncated angles of {}", world.path(source));
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
-        .detail(format!(
-            "It has too few digits. At {} m this is {error_mm:.0} mm.",
-            limits.range_m
-        ))
+        .detail(format!("At {} m this is {error_mm:.0} mm.", limits.range_m))
         .help("write the angle with all digits; in xacro `${pi/2}`")
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
         .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));

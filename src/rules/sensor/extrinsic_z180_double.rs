@@ -145,7 +145,7 @@ fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
         ratio,
         "1",
     )
-    .limit(limits.min_ratio)
+    .at_least(limits.min_ratio)
 }
 
 fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTest, limits: &Limits, out: &mut Judge) {

@@ -88,7 +88,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
         .likely()
         .relation("driver-setting")
         .detail(format!(
-            "{} has that offset where {}; {}.",
+            "{} has that offset where {}. Mounting: {}.",
             driver.name,
             known.what,
             imu.mounting()

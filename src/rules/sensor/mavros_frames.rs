@@ -83,7 +83,7 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, own: &MavrosFra
         let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
         let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}) as mavros", own.rpy);
         let finding = Finding::warning(subject, message, place).likely().help(help);
-        return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
+        return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).expected(1.0)));
     }
     let Some((parent_from_frame, steps)) = chain else {
         return out.too_little(subject, format!("no rigid transform between `{parent}` and `{frame}`"));

@@ -1,5 +1,6 @@
 //! SENSOR04: lidars whose own axes have y forward, where drivers may rotate them.
 
+use crate::advice::places::with_mounting;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::sensor::lidar_turn::{has_two_ways, lidar};
 use crate::rules::prelude::*;
@@ -71,7 +72,8 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         .related(known.poses.1.clone(), "compared with this motion")
         .detail(format!("{detail} Compared with {}.", known.poses.0))
         .help(help);
-    out.fail(known.stated_at(world, finding.measured(measured)));
+    let mounting = [&known.body, &known.lidar];
+    out.fail(with_mounting(world, mounting, finding.measured(measured)));
 }
 
 /// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.

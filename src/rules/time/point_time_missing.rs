@@ -80,7 +80,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     };
     let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;
     let measured = [
-        Measured::new(format!("smear at {} m", limits.at_m), smear_m, "m").limit(limits.min_smear_m),
+        Measured::new(format!("smear at {} m", limits.at_m), smear_m, "m").at_least(limits.min_smear_m),
         Measured::new("speed", fastest.speed_m_s, "m/s"),
         Measured::new("turn rate", fastest.rate_rad_s.to_degrees(), "deg/s"),
         Measured::new("time of a scan", period_s, "s"),

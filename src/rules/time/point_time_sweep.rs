@@ -57,11 +57,15 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         }
     };
     let measured = [
-        Measured::new("resultant", sweeps.iter().map(|one| one.1).fold(1.0, f64::min), "1")
-            .limit(limits.min_resultant)
-            .samples(sweeps.len() as u64),
         Measured::new(
-            "resultant of the other direction",
+            "agreement of the directions",
+            sweeps.iter().map(|one| one.1).fold(1.0, f64::min),
+            "1",
+        )
+        .at_least(limits.min_resultant)
+        .samples(sweeps.len() as u64),
+        Measured::new(
+            "agreement for the other direction",
             sweeps.iter().map(|one| one.2).fold(0.0, f64::max),
             "1",
         ),
@@ -95,6 +99,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("mirrored")
+        .unless_relation(codes::AXES11)
         .detail(
             "The cloud is mirrored, its z axis points down, or the times of its points run backwards: the sweep alone does not distinguish these.",
         )

@@ -196,6 +196,6 @@ fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &
     let finding = Finding::warning(subject_of(world, bag), message, place)
         .hint()
         .help("name the vehicle's base frame `base_link` (REP-105), so that tools find it")
-        .measured(Measured::count("base frames", 0).limit(1.0));
+        .measured(Measured::count("base frames", 0).at_least(1.0));
     out.fail(finding);
 }

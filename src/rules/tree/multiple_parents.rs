@@ -231,7 +231,7 @@ fn judge_child(
         Finding::note(subject, message, place)
             .help("check that the frame is moved on purpose; look-ups across the change return the older parent")
     };
-    let switches = Measured::new("changes of parent", switches as f64, "count").limit(limits.min_switches as f64);
+    let switches = Measured::new("changes of parent", switches as f64, "count").at_least(limits.min_switches as f64);
     let mut finding = finding
         .measured(Measured::count("parents", parents.len()).limit(1.0))
         .measured(switches);

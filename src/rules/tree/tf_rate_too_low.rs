@@ -98,14 +98,18 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let help = if rate.long_s > 3.0 * rate.usual_s {
         "find out what delays some of the transforms: most come in time".to_owned()
     } else {
-        format!("publish it at {:.0} Hz or more", (times.sqrt() / rate.usual_s).ceil())
+        format!(
+            "publish it at {:.0} Hz or more (now {:.1} Hz)",
+            (times.sqrt() / rate.usual_s).ceil(),
+            1.0 / rate.usual_s
+        )
     };
     let first = steps.most_surprising.first();
     let place = first.map_or(&edge.first_at, |step| &step.after.at).clone();
     let finding = Finding::warning(subject, message, Place::message(bag.source, place))
         .likely()
         .label("largest deviation from a straight line")
-        .detail("tf2 interpolates linearly between two transforms. The error is the 99th percentile over all steps.")
+        .detail("tf2 interpolates linearly between two transforms. The error is how far a transform lies from the line between its neighbours (99th percentile).")
         .help(help);
     out.fail(finding.measured(measured));
 }

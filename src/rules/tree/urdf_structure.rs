@@ -63,7 +63,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMu
         fail(
             Finding::error(subject, message, robot.name.place.clone())
                 .help("add at least one link")
-                .measured(Measured::count("links", 0).limit(1.0)),
+                .measured(Measured::count("links", 0).expected(1.0)),
         );
     }
     let missing = undefined(robot, &links);

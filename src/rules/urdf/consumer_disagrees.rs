@@ -94,7 +94,7 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
         )
         .label("a different tree is read")
         .help("look for joints nested where a parser does not read them, or joints with the same name");
-        out.fail(finding.measured(Measured::count("joints read", read).limit(written as f64)));
+        out.fail(finding.measured(Measured::count("joints read", read).expected(written as f64)));
     } else if differing == 0 {
         let measured = Measured::count("joints read differently", 0).limit(0.0);
         out.pass(

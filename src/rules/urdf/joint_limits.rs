@@ -60,7 +60,7 @@ fn missing(world: &World, robot: &Robot, joint: &Joint) -> Finding {
     )
     .label("a limit is required here")
     .help("add <limit lower upper effort velocity>, or make the joint `continuous`: urdfdom rejects the file")
-    .measured(Measured::count("limits", 0).limit(1.0))
+    .measured(Measured::count("limits", 0).expected(1.0))
 }
 
 fn judge_limit(

@@ -70,15 +70,18 @@ fn finding(
     let message = match missing.len() {
         n if !is_slip => format!("none of the {n} meshes of robot `{}` has its file", robot.name.value),
         1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
-        n => format!(
-            "{n} mesh files do not exist, the first is that of `{}`",
-            link.name.value
-        ),
+        n => format!("{n} meshes have no file, the first is that of `{}`", link.name.value),
     };
     let file = &first.filename.value;
     let detail = match missing.len() - 1 {
         0 => format!("Missing: `{file}`."),
-        more => format!("Missing: `{file}`, and those of {more} more meshes."),
+        more => {
+            let others = missing.iter().filter(|(_, mesh)| mesh.filename.value != *file).count();
+            match others {
+                0 => format!("Missing: `{file}`, which {} meshes use.", more + 1),
+                others => format!("Missing: `{file}`, and the files of {others} more meshes."),
+            }
+        }
     };
     let subject = format!("meshes of {}", world.path(robot.source));
     let severity = if is_slip { Severity::Warning } else { Severity::Note };

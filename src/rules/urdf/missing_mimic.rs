@@ -46,7 +46,7 @@ impl Rule for MissingMimic {
                 } else if name == of {
                     format!("joint `{name}` mimics itself")
                 } else {
-                    right.pass(robot.source, measured.limit(1.0));
+                    right.pass(robot.source, measured.expected(1.0));
                     continue;
                 };
                 let near = || Some(index.nearest(&FrameId::new(of), Reach::SUGGESTION)?.frame.as_str());
@@ -62,7 +62,7 @@ impl Rule for MissingMimic {
                 )
                 .label("mimicked joint")
                 .help(help)
-                .measured(measured.limit(1.0));
+                .measured(measured.expected(1.0));
                 out.fail(finding);
             }
             if mimics == 0 {

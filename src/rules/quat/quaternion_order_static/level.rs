@@ -108,7 +108,7 @@ fn judge_tilts(
                 tilts.published.tilt_rad.to_degrees(),
             );
             let detail = format!(
-                "Read as w, x, y, z it stays within {:.0} deg of level while it rotates by {:.0} deg; the inverse would be as level.",
+                "Read as w, x, y, z it stays within {:.0} deg of level while it rotates by {:.0} deg. Whether it is inverted as well cannot be seen from that.",
                 tilts.reordered.tilt_rad.to_degrees(),
                 tilts.reordered.turned_rad.to_degrees(),
             );

@@ -21,10 +21,10 @@ impl YawZero {
         let samples = self.samples as u64;
         let [best, other] = self.resultants;
         let mut measured = vec![
-            Measured::new("resultant of the better sense", best, "1")
+            Measured::new("agreement of the better sense", best, "1")
                 .limit(turns.min_resultant)
                 .samples(samples),
-            Measured::new("resultant of the other sense", other, "1").samples(samples),
+            Measured::new("agreement of the other sense", other, "1").samples(samples),
         ];
         let zero = self.zero_rad.map(f64::to_degrees);
         let what = if self.is_clockwise {

@@ -73,7 +73,7 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
     let counts = [("`beam_azimuth_angles`", a), ("`beam_altitude_angles`", b)];
     let measured = [
         Measured::count("azimuths of beams", a as usize),
-        Measured::count("altitudes of beams", b as usize).limit(f64::from(rows)),
+        Measured::count("altitudes of beams", b as usize).expected(f64::from(rows)),
     ];
     let broken = azimuths.broken + altitudes.broken;
     // An altitude beyond 90 deg is not in degrees.
