@@ -336,7 +336,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "upside-down",
         text: "the sensor is mounted upside down, and TF does not include that rotation",
-        help: "rotate the sensor's frame by 180 deg about x in TF or URDF",
+        help: "give the sensor its own frame, and publish its transform with roll = 180 deg in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
         base: &[Base::Down],

@@ -35,17 +35,21 @@ impl HeadingFit {
         let heading = &self.heading;
         let samples = heading.samples as u64;
         let [left, right] = heading.resultants;
-        let (best, other) = match heading.winner() {
-            Sense::Left => (left, right),
-            Sense::Right => (right, left),
+        let (best, other, words) = match heading.winner() {
+            Sense::Left => (left, right, ["counter-clockwise", "clockwise"]),
+            Sense::Right => (right, left, ["clockwise", "counter-clockwise"]),
         };
         [
-            Measured::new("agreement of the better sense", best, "1")
-                .at_least(limits.min_resultant)
-                .samples(samples),
-            Measured::new("agreement of the other sense", other, "1").samples(samples),
             self.offset(),
-            Measured::count("windows with a turn", heading.votes.iter().sum()),
+            Measured::new(
+                format!("agreement with the course, yaw counted {}", words[0]),
+                best,
+                "1",
+            )
+            .at_least(limits.min_resultant)
+            .samples(samples),
+            Measured::new(format!("the same, counted {}", words[1]), other, "1").samples(samples),
+            Measured::count("parts of the drive with a turn", heading.votes.iter().sum()),
         ]
     }
 
@@ -55,7 +59,8 @@ impl HeadingFit {
     }
 
     pub(crate) fn offset(&self) -> Measured {
-        Measured::new("offset", self.heading.offset_rad.to_degrees(), "deg").samples(self.heading.samples as u64)
+        Measured::new("yaw minus course", self.heading.offset_rad.to_degrees(), "deg")
+            .samples(self.heading.samples as u64)
     }
 
     /// Yaw minus course, radians; or why it is unknown.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::source::{Confidence, MessageRef, Place, SourceId, SourcePart};
-use crate::verdict::{Finding, Fix, Measured, PlaceRole, Safety, Severity};
+use crate::verdict::{Bound, Finding, Fix, Measured, PlaceRole, Safety, Severity};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -180,8 +180,8 @@ fn least(measured: &Measured) -> f64 {
     match measured.limit {
         // It must differ from its limit.
         Some(limit) if limit.abs() <= of_unit => 0.0,
-        Some(limit) => f64::max(of_unit, limit.abs() * 1e-6),
-        None => of_unit,
+        Some(limit) if measured.bound == Bound::Within => f64::max(of_unit, limit.abs() * 1e-6),
+        _ => of_unit,
     }
 }
 

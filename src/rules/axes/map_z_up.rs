@@ -38,7 +38,12 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
             .turn()
             .limit(limits.warning_deg)
             .samples(gravity.rows),
-        Measured::new("agreement", gravity.concentration, "1").at_least(limits.min_concentration),
+        Measured::new(
+            "agreement of the directions (1: always the same)",
+            gravity.concentration,
+            "1",
+        )
+        .at_least(limits.min_concentration),
         Measured::new("time", gravity.seconds, "s"),
     ];
     if degrees <= limits.warning_deg {
@@ -120,7 +125,8 @@ fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'
         let help = "rename the frame without `ned`, or convert its poses to NED: the data have z up";
         ("z-up", " (z up, while NED has z down)", help)
     } else if near(0.0, 0.0, -1.0) {
-        let help = "convert the poses from NED (`R_enu_flu = P * R_ned_frd * F`, position (y, x, -z)), or name the frame `..._ned`: REP-103 requires z up";
+        let help = "convert the poses from NED to ENU: position (y, x, -z), rotation multiplied from the left by [0 1 0; 1 0 0; 0 0 -1], and, only if the \
+                    body is FRD, from the right by diag(1, -1, -1); or name the frame `..._ned`: REP-103 requires z up";
         ("z-down", " (z down, as in NED)", help)
     } else if near(0.0, -1.0, 0.0) {
         let help = "name this frame `camera_map` and publish a level `map` above it: `map_from_camera_map` is RPY(-90, 0, -90) deg, then \

@@ -29,9 +29,13 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp,
             .turn()
             .limit(limits.max_tilt_deg)
             .samples(rows),
-        Measured::new("agreement of the directions", above.force.concentration, "1")
-            .at_least(limits.min_concentration)
-            .samples(rows),
+        Measured::new(
+            "agreement of the directions (1: always the same)",
+            above.force.concentration,
+            "1",
+        )
+        .at_least(limits.min_concentration)
+        .samples(rows),
         Measured::new("time", above.seconds, "s"),
     ];
     if above.class == World::Up {
@@ -58,8 +62,8 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp,
         ),
         _ => format!("It is {along_z:+.2} m/s2 along world z."),
     };
-    let otherwise =
-        "align the orientation with gravity: level and at rest, `R(q) * acceleration` is +9.81 m/s2 along z (REP-145)";
+    let otherwise = "look at one message at rest and level: `R(q) * acceleration` is +9.81 m/s2 along z (REP-145). If not, check that orientation and \
+         acceleration are in the same axes, then the filter that computes the orientation";
     let finding = Finding::new(severity, subject, message, imu.stream.place())
         .likely()
         .detail(detail);
@@ -87,7 +91,10 @@ fn other_readings(above: &WorldUp) -> String {
         };
         format!("{how}: {degrees:.0} deg from up (agreement {:.3})", mean.concentration)
     });
-    format!("With the quaternion read {}.", words.collect::<Vec<_>>().join("; "))
+    format!(
+        "Other readings of the quaternion do not explain it: {}.",
+        words.collect::<Vec<_>>().join("; ")
+    )
 }
 
 fn named(reading: Reading) -> &'static str {

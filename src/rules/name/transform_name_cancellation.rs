@@ -148,7 +148,7 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
         let help = if turned {
             "reverse the factors: these cancel from right to left, but `a_T_b * b_T_c` is `a_T_c`, with the source frame on the right"
         } else {
-            "insert the missing transform, or invert one of the two"
+            "insert the transform between the two, or correct the name that is wrong"
         };
         let finding = Finding::error(subject.as_str(), message, places(gap.at.1))
             .confidence(ceiling)

@@ -116,9 +116,20 @@ fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
             .samples(pairs as u64)
     };
     [
-        spread("spread of a constant world rotation", &found.left),
-        spread("spread of a constant body rotation", &found.right),
-        Measured::new("rotation", found.turned_rad.to_degrees(), "deg").at_least(limits.min_turn_deg),
+        spread(
+            "scatter of the difference, taken as a rotation of the world",
+            &found.left,
+        ),
+        spread(
+            "scatter of the difference, taken as a rotation of the body",
+            &found.right,
+        ),
+        Measured::new(
+            "rotation of the platform in the recording",
+            found.turned_rad.to_degrees(),
+            "deg",
+        )
+        .at_least(limits.min_turn_deg),
     ]
 }
 
@@ -159,15 +170,18 @@ fn contradiction(
         };
         (
             "body",
-            format!("It multiplies from the right, although {tied}."),
-            "multiply a change of the world from the left, `new_from_world * world_from_body`; if the body is another one, give it its \
-             own frame, or correct its mounting in TF",
+            format!(
+                "One of the two has other body axes, or its world was changed by multiplying on the wrong side: {tied}. Which of the two is wrong cannot be seen."
+            ),
+            "if one of the two is of another body (such as FRD), give it its own `child_frame_id` and a transform; if its poses were moved to \
+             another world, multiply from the left: `new_from_world * world_from_body`",
         )
     } else {
         (
             "world",
             format!(
-                "It multiplies from the left, although both are expressed in `{}`.",
+                "One of the two has another world, or its body was changed by multiplying on the wrong side: both are expressed in `{}`. Which of the \
+                 two is wrong cannot be seen.",
                 name(&a.world)
             ),
             "rename one of the two worlds and tie them by TF; multiply a change of the body from the right, \

@@ -64,17 +64,18 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
         _ => None,
     };
     let label = &parts.claim.label;
+    let is_singular = parts.rotation.determinant().abs() < 0.5;
     let (message, detail) = match scale {
         Some(factor) => (
             format!("matrix `{label}` is no rotation: it includes a scale factor of {factor:.6}"),
             "All three axes have this length.".to_owned(),
         ),
-        None if parts.rotation.determinant().abs() < 0.5 => (
+        None if is_singular => (
             format!(
                 "matrix `{label}` is no rotation: its determinant is {:.3}, not 1",
                 parts.rotation.determinant()
             ),
-            "Probably an entry is missing or in the wrong place: the axes do not span space.".to_owned(),
+            "An entry is missing or in the wrong place: one axis is zero, or depends on the others.".to_owned(),
         ),
         None => (
             format!("matrix `{label}` is no rotation: R^T R differs from the identity by {error:.1e}"),
@@ -82,6 +83,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
         ),
     };
     let help = match scale {
+        _ if is_singular => "correct the missing or misplaced entry",
         Some(_) => "divide the rotation by the scale factor: an extrinsic is a rigid transform",
         None => "print at least six decimals where the matrix is written, or correct the wrong entry",
     };
@@ -95,23 +97,15 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
             .relation("scaled")
             .measured(Measured::new("common length of the axes", factor, "1"));
     }
-    let Some(nearest) = nearest_rotation(&parts.rotation) else {
+    let Some(nearest) = nearest_rotation(&parts.rotation).filter(|_| !is_singular) else {
         return finding;
     };
     // The scale may be intended.
     let safety = scale.map_or(Safety::Safe, |_| Safety::ChangesBehaviour);
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
-    // The angle alone is zero where a column is missing, too.
-    let change = parts.rotation - nearest.rotation.matrix();
-    let is_slight = scale.is_some()
-        || change
-            .column_iter()
-            .all(|axis| axis.norm() <= limits.fix_deg.to_radians());
     match parts.replace_rotation(world, nearest.rotation.matrix()) {
-        Some(edits) if is_slight && moved_deg <= limits.fix_deg => {
-            finding.fix("replace it by the nearest rotation", safety, edits)
-        }
+        Some(edits) if moved_deg <= limits.fix_deg => finding.fix("replace it by the nearest rotation", safety, edits),
         _ => finding,
     }
 }

@@ -155,13 +155,18 @@ fn judge_statement(
         statement.target,
         statement.source_frame
     );
+    let to_do = match relation {
+        "quaternion-order" if is_row => "write the quaternion as w, x, y, z: then it is",
+        "quaternion-order" => "write the quaternion as x, y, z, w: then it is",
+        _ => "convert it to",
+    };
     let mut finding = Finding::error(subject, message, statement.place.clone())
         .likely()
         .confidence(statement.reading)
         .relation(relation)
         .detail(format!("Stated by {}, {off:.0} deg off.{why}", statement.who))
         .help(format!(
-            "convert it to about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
+            "{to_do} about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
             roll.to_degrees(),
             pitch.to_degrees(),
             yaw.to_degrees(),

@@ -144,6 +144,6 @@ fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
         .label("first stamp")
         .detail("The clock that stamps counts from power-up or from midnight.")
         .help("synchronise the sensor's clock (PTP, GPS, NTP), or stamp with the host clock in the driver")
-        .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
+        .measured(Measured::new("median stamp after 1970", stamp_s, "s").at_least(UPTIME_BELOW_S))
         .measured(measured)
 }

@@ -80,7 +80,7 @@ fn judge_scale(
             .label("mirrored")
             .detail(format!("The mesh is `{file}`."))
             .help("mirror the mesh file itself if that is intended: a negative scale flips the faces inside out")
-            .measured(Measured::new("product of the factors", scaled.factors.iter().product(), "1").limit(0.0));
+            .measured(Measured::new("product of the factors", scaled.factors.iter().product(), "1").at_least(0.0));
         return Some(finding);
     }
     None

@@ -20,11 +20,16 @@ impl YawZero {
     pub(crate) fn measured(&self, turns: &crate::analysis::axes::heading::Limits) -> Vec<Measured> {
         let samples = self.samples as u64;
         let [best, other] = self.resultants;
+        let [sense, against] = if self.is_clockwise {
+            ["clockwise", "counter-clockwise"]
+        } else {
+            ["counter-clockwise", "clockwise"]
+        };
         let mut measured = vec![
-            Measured::new("agreement of the better sense", best, "1")
-                .limit(turns.min_resultant)
+            Measured::new(format!("agreement with the course, yaw counted {sense}"), best, "1")
+                .at_least(turns.min_resultant)
                 .samples(samples),
-            Measured::new("agreement of the other sense", other, "1").samples(samples),
+            Measured::new(format!("the same, counted {against}"), other, "1").samples(samples),
         ];
         let zero = self.zero_rad.map(f64::to_degrees);
         let what = if self.is_clockwise {
