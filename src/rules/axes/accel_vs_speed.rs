@@ -50,8 +50,12 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
     );
     // Forward in the sensor's axes is (cos, -sin) of its yaw.
     let yaw_deg = (-pushed.sideways.gain).atan2(pushed.forward.gain).to_degrees();
+    let yaw = match sensor.diagnosis.word() {
+        Some("turned-mount") => format!(" A yaw of about {yaw_deg:+.0} deg of the sensor explains it."),
+        _ => String::new(),
+    };
     let detail = format!(
-        "Compared with the change of speed of {}. A yaw of about {yaw_deg:+.0} deg of the sensor explains it. Mounting: {}.",
+        "Compared with the change of speed of {}.{yaw} Mounting: {}.",
         pushed.track,
         imu.mounting()
     );

@@ -64,7 +64,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
         _ => None,
     };
     let label = &parts.claim.label;
-    let is_singular = parts.rotation.determinant().abs() < 0.5;
+    let is_singular = scale.is_none() && parts.rotation.determinant().abs() < 0.5;
     let (message, detail) = match scale {
         Some(factor) => (
             format!("matrix `{label}` is no rotation: it includes a scale factor of {factor:.6}"),
