@@ -158,6 +158,7 @@ fn judge_statement(
     let to_do = match relation {
         "quaternion-order" if is_row => "write the quaternion as w, x, y, z: then it is",
         "quaternion-order" => "write the quaternion as x, y, z, w: then it is",
+        "inverse" => "invert it (R transposed, t = -R^T t), or exchange its two frames: then it is",
         _ => "convert it to",
     };
     let mut finding = Finding::error(subject, message, statement.place.clone())
@@ -167,9 +168,9 @@ fn judge_statement(
         .detail(format!("Stated by {}, {off:.0} deg off.{why}", statement.who))
         .help(format!(
             "{to_do} about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
-            roll.to_degrees(),
-            pitch.to_degrees(),
-            yaw.to_degrees(),
+            whole_degrees(roll),
+            whole_degrees(pitch),
+            whole_degrees(yaw),
             dataset.row.source
         ))
         .measured(measured);
@@ -177,6 +178,11 @@ fn judge_statement(
         finding = finding.related(place.clone(), "named here");
     }
     out.fail(finding);
+}
+
+/// An angle in whole degrees, without a negative zero.
+fn whole_degrees(angle_rad: f64) -> f64 {
+    angle_rad.to_degrees().round() + 0.0
 }
 
 #[cfg(test)]

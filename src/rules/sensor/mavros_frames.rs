@@ -82,7 +82,7 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, own: &MavrosFra
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
         let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
         let help = format!(
-            "publish `{parent}` -> `{frame}` with rpy = ({}) as mavros, and remove `{stranger}` -> `{frame}`",
+            "publish `{parent}` -> `{frame}` with rpy = ({}), not `{stranger}` -> it",
             own.rpy
         );
         let finding = Finding::warning(subject, message, place).likely().help(help);

@@ -60,7 +60,7 @@ fn judge_scale(
         let finding = Finding::error(owner, message, scaled.place()).label("a factor of zero");
         return Some(
             finding
-                .help("write 1 for an axis without scaling")
+                .help("replace the 0: a mesh in millimetres needs 0.001 on each axis, one in metres 1")
                 .measured(largest(scaled)),
         );
     }

@@ -51,6 +51,11 @@ pub(crate) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
         ),
         _ => return out.pass(subject, [measured]),
     };
+    let help = if relation == "direction" {
+        "if the ranges go from `angle_min` to `angle_max`, negate `angle_increment`; if they go the other way, exchange the two angles"
+    } else {
+        "set `angle_max` to angle_min + angle_increment * (rays - 1), with the ranges in that order"
+    };
     let [first, last, step] = scan.angles.map(f64::to_degrees);
     let message = format!(
         "`{}`: {} rays of {step:.4} deg from {first:.2} deg end at {:.2} deg; `angle_max` is {last:.2} deg",
@@ -63,6 +68,6 @@ pub(crate) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
         .relation(relation)
         .measured(measured)
         .detail(detail)
-        .help("set `angle_max` to angle_min + angle_increment * (rays - 1), with the ranges in that order");
+        .help(help);
     out.fail(finding);
 }
