@@ -81,10 +81,7 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, own: &MavrosFra
     };
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
         let message = format!("`{frame}` is a child of `{stranger}`, and not rigidly connected to `{parent}`");
-        let help = format!(
-            "publish `{parent}` -> `{frame}` with rpy = ({}), not `{stranger}` -> it",
-            own.rpy
-        );
+        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}) instead", own.rpy);
         let finding = Finding::warning(subject, message, place).likely().help(help);
         return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).expected(1.0)));
     }
