@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use crate::analysis::motion::{Course, Yaws};
 use crate::math::circular::{Span, circular_mean, wrapped};
+use crate::verdict::Measured;
 
 /// Sense of a yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +17,22 @@ pub(crate) enum Sense {
     Left,
     /// Clockwise: a compass, or z down.
     Right,
+}
+
+impl Sense {
+    /// How steadily a yaw follows the course counted this way, and counted the other way.
+    pub(crate) fn agreements(self, [own, other]: [f64; 2], samples: u64, limits: &Limits) -> [Measured; 2] {
+        let [way, against] = match self {
+            Self::Left => ["counter-clockwise", "clockwise"],
+            Self::Right => ["clockwise", "counter-clockwise"],
+        };
+        [
+            Measured::new(format!("agreement with the course, yaw counted {way}"), own, "1")
+                .at_least(limits.min_resultant)
+                .samples(samples),
+            Measured::new(format!("the same, counted {against}"), other, "1").samples(samples),
+        ]
+    }
 }
 
 /// A yaw compared with a course.

@@ -33,24 +33,15 @@ impl HeadingFit {
 
     pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 4] {
         let heading = &self.heading;
-        let samples = heading.samples as u64;
         let [left, right] = heading.resultants;
-        let (best, other, words) = match heading.winner() {
-            Sense::Left => (left, right, ["counter-clockwise", "clockwise"]),
-            Sense::Right => (right, left, ["clockwise", "counter-clockwise"]),
+        let sense = heading.winner();
+        let own_first = match sense {
+            Sense::Left => [left, right],
+            Sense::Right => [right, left],
         };
-        [
-            self.offset(),
-            Measured::new(
-                format!("agreement with the course, yaw counted {}", words[0]),
-                best,
-                "1",
-            )
-            .at_least(limits.min_resultant)
-            .samples(samples),
-            Measured::new(format!("the same, counted {}", words[1]), other, "1").samples(samples),
-            Measured::count("parts of the drive with a turn", heading.votes.iter().sum()),
-        ]
+        let [own, other] = sense.agreements(own_first, heading.samples as u64, limits);
+        let turns = Measured::count("parts of the drive with a turn", heading.votes.iter().sum());
+        [self.offset(), own, other, turns]
     }
 
     pub(crate) fn plot(&self, topic: &str) -> Plot {

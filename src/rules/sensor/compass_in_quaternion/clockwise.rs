@@ -1,5 +1,6 @@
 //! What SENSOR08 reports of a yaw: its numbers, and the finding where it grows clockwise.
 
+use crate::analysis::axes::heading::{self, Sense};
 use crate::analysis::motion::Stream;
 use crate::verdict::{Finding, Measured};
 use crate::world::motion::Row;
@@ -17,20 +18,10 @@ enum Zero {
 
 impl YawZero {
     /// The numbers.
-    pub(crate) fn measured(&self, turns: &crate::analysis::axes::heading::Limits) -> Vec<Measured> {
+    pub(crate) fn measured(&self, turns: &heading::Limits) -> Vec<Measured> {
         let samples = self.samples as u64;
-        let [best, other] = self.resultants;
-        let [sense, against] = if self.is_clockwise {
-            ["clockwise", "counter-clockwise"]
-        } else {
-            ["counter-clockwise", "clockwise"]
-        };
-        let mut measured = vec![
-            Measured::new(format!("agreement with the course, yaw counted {sense}"), best, "1")
-                .at_least(turns.min_resultant)
-                .samples(samples),
-            Measured::new(format!("the same, counted {against}"), other, "1").samples(samples),
-        ];
+        let sense = if self.is_clockwise { Sense::Right } else { Sense::Left };
+        let mut measured = sense.agreements(self.resultants, samples, turns).to_vec();
         let zero = self.zero_rad.map(f64::to_degrees);
         let what = if self.is_clockwise {
             "yaw minus compass heading"
@@ -70,7 +61,7 @@ impl YawZero {
         &self,
         stream: &Stream<R>,
         subject: &str,
-        turns: &crate::analysis::axes::heading::Limits,
+        turns: &heading::Limits,
         limits: &Limits,
     ) -> Finding {
         let (relation, what, detail) = match self.zero(limits) {
