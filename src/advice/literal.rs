@@ -65,7 +65,7 @@ pub(crate) fn is_macro(text: &str) -> bool {
 }
 
 impl Parts<'_> {
-    /// Edits that write another rotation into the block. `None` where the text of an entry is not known.
+    /// Edits that write another rotation into the block, where entries differ. `None` where the text of an entry is not known.
     pub(crate) fn replace_rotation(&self, world: &World, rotation: &Matrix3<f64>) -> Option<Vec<Edit>> {
         let mut edits = Vec::new();
         for row in 0..3 {
@@ -79,8 +79,10 @@ impl Parts<'_> {
                     (row, col)
                 };
                 let literal = self.literal(r, c)?;
-                let value = *rotation.get((row, col))?;
-                edits.push(rewrite(world, self.source(), literal, spell(value))?);
+                let value = spell(*rotation.get((row, col))?);
+                if value != spell(literal.value) {
+                    edits.push(rewrite(world, self.source(), literal, value)?);
+                }
             }
         }
         Some(edits)

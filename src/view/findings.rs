@@ -138,7 +138,7 @@ fn finding_text(number: usize, finding: &Finding) -> String {
         "**{}**, {}: {}\n",
         finding.severity.word(),
         finding.confidence.word(),
-        finding.text()
+        finding.text().replace('\n', "\n\n")
     );
     for measured in &finding.measured {
         let _ = writeln!(page, "- {}", number_of(measured));

@@ -155,8 +155,8 @@ impl<'w> Listener<'w> {
             .map(|(_, candidate)| candidate)
     }
 
-    /// The moving edges on any way up from two frames.
-    pub(crate) fn moving_above(&self, frames: [&FrameId; 2]) -> Vec<&'w TfEdge> {
+    /// Two frames, and all that are on any way up from them.
+    pub(crate) fn above(&self, frames: [&FrameId; 2]) -> BTreeSet<FrameId> {
         let mut above: BTreeSet<FrameId> = BTreeSet::new();
         let mut queue: VecDeque<FrameId> = frames.into_iter().cloned().collect();
         while let Some(frame) = queue.pop_front() {
@@ -164,6 +164,12 @@ impl<'w> Listener<'w> {
                 queue.extend(self.edges_to(&frame).map(|edge| edge.parent.canonical()));
             }
         }
+        above
+    }
+
+    /// The moving edges on any way up from two frames.
+    pub(crate) fn moving_above(&self, frames: [&FrameId; 2]) -> Vec<&'w TfEdge> {
+        let above = self.above(frames);
         self.edges
             .iter()
             .copied()

@@ -45,7 +45,9 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
     if let Some(fault) = faults.into_iter().flatten().next() {
         let message = format!("{subject}: {}", fault.words);
         let place = Place::message(bag.source, fault.at.at.clone());
-        let finding = Finding::new(fault.severity, subject, message, place).help(fault.help);
+        let finding = Finding::new(fault.severity, subject, message, place)
+            .detail(fault.detail)
+            .help(fault.help);
         return out.fail(finding.measured(fault.measured.samples(evidence.count)));
     }
     let (Some((asymmetry, _)), Some((least, _))) = (&evidence.most_asymmetric, &evidence.least_positive) else {
@@ -68,6 +70,7 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
 struct Fault<'e> {
     severity: Severity,
     words: String,
+    detail: String,
     help: &'static str,
     measured: Measured,
     at: &'e CovarianceAt,
@@ -79,6 +82,7 @@ fn non_finite<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
     Some(Fault {
         severity: Severity::Error,
         words: format!("{count} of {} matrices contain NaN or infinity", evidence.count),
+        detail: String::new(),
         help: "publish all zeros where the covariance is unknown, and -1 as the first element where the field itself is not measured",
         measured: Measured::new("matrices that are not finite", *count as f64, "count").limit(limits.max_non_finite),
         at,
@@ -100,6 +104,7 @@ fn denormal<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
     Some(Fault {
         severity: Severity::Warning,
         words: format!("a matrix contains {value:e}: probably uninitialised memory"),
+        detail: String::new(),
         help: "set every element of the matrix before publishing, to zero where nothing is known",
         measured: Measured::new("smallest number that is not zero", value, "1").limit(limits.denormal),
         at,
@@ -114,9 +119,26 @@ fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
     Some(Fault {
         severity: graded(*asymmetry, limits),
         words: format!("not symmetric, by {asymmetry:.3e} of the largest element"),
+        detail: most_different(&at.values),
         help: "write C[i][j] = C[j][i]: fill both halves, and check order and size of the matrix if the difference is large",
         measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
         at,
+    })
+}
+
+/// The two mirrored entries of a square matrix that differ most, in words.
+fn most_different(values: &[f64]) -> String {
+    let size = values.len().isqrt();
+    let at = |row: usize, col: usize| values.get(row * size + col).copied().unwrap_or(0.0);
+    let pairs = (0..size).flat_map(|row| (0..row).map(move |col| (row, col)));
+    let difference = |(row, col): &(usize, usize)| (at(*row, *col) - at(*col, *row)).abs();
+    let most = pairs.max_by(|a, b| difference(a).total_cmp(&difference(b)));
+    most.map_or_else(String::new, |(row, col)| {
+        format!(
+            "The largest difference: C[{col}][{row}] = {:.4e}, C[{row}][{col}] = {:.4e}.",
+            at(col, row),
+            at(row, col)
+        )
     })
 }
 
@@ -128,6 +150,7 @@ fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
     Some(Fault {
         severity: graded(-least, limits),
         words: format!("negative eigenvalue, {least:.3e} of the largest element"),
+        detail: String::new(),
         help: "check for covariances larger than their variances allow, variances of zero beside them, or rounding",
         measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").limit(limits.negative),
         at,

@@ -185,7 +185,10 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
             .likely()
             .unless(codes::COV02)
             .relation(word)
-            .detail("Read this way, all variances are near the noise from pose to pose; as m^2 and rad^2 one is off.")
+            .detail(
+                "Read this way, every variance agrees with the noise from pose to pose. Read as variances in m^2 and rad^2, positions before \
+                 rotations, they do not.",
+            )
             .help(help)
             .measured(factor("factor to the noise, read this way", best))
             .measured(factor("factor to the noise, m^2 and rad^2", published)),

@@ -76,11 +76,13 @@ fn judge_frame(frame: &FrameId, columns: &[Column], limits: &Limits, out: &mut J
 }
 
 fn size(column: &Column, limits: &Limits) -> Measured {
-    Measured::new(
-        format!("distance from the origin, {}", column.subject),
-        column.middle.norm(),
-        "m",
-    )
-    .limit(limits.local_m)
-    .samples(column.count as u64)
+    let (distance, samples) = (column.middle.norm(), column.count as u64);
+    if column.kind.is_angle() {
+        // Two angles and a height have no length: the kind was judged by each of them.
+        let what = format!("distance from the origin if these were metres, {}", column.subject);
+        return Measured::new(what, distance, "m").samples(samples);
+    }
+    Measured::new(format!("distance from the origin, {}", column.subject), distance, "m")
+        .limit(limits.local_m)
+        .samples(samples)
 }

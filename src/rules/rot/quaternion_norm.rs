@@ -50,8 +50,7 @@ fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right
     let allowed = allowed_quaternion_norm_error(stated.xyzw);
     let measured = Measured::new("norm of the quaternion minus 1", error, "1").limit(allowed);
     if error.abs() <= allowed && !dropped {
-        right.pass(stated.place.source, measured);
-        return;
+        return right.pass(stated.place.source, measured);
     }
     let severity = if dropped { Severity::Error } else { Severity::Warning };
     let message = format!(
@@ -77,6 +76,7 @@ fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right
     let edits = stated
         .literals
         .iter()
+        .filter(|literal| literal.value != 0.0)
         .map(|literal| rewrite(world, stated.place.source, literal, spell(literal.value / norm)))
         .collect();
     out.fail(with_fix(finding, "normalise the quaternion", Safety::Safe, edits));

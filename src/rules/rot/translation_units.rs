@@ -156,7 +156,9 @@ fn by_size(
     let why = match (is_ouster, usual > 0.0) {
         (true, _) => "These are numbers of Ouster's metadata, which are in millimetres.".to_owned(),
         (false, true) => format!("All other translations of this file are within {usual:.3} m."),
-        (false, false) => "No sensor is mounted so far away.".to_owned(),
+        (false, false) => {
+            "No sensor is mounted so far away; read in millimetres, the length is that of a mounting.".to_owned()
+        }
     };
     let message = format!(
         "the translation of {} is {norm:.3} m long: probably in millimetres",

@@ -87,7 +87,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<HalfTurnT
                 let more = match by_landmarks {
                     Err((_, other)) if other != reason => format!("; {other}"),
                     Ok((_, ratio)) => format!(
-                        "; by landmarks, the map with another half turn has {ratio:.2} times the cells ({} or its inverse is needed)",
+                        "; by landmarks, the map with the lidar turned by 180 deg has {ratio:.2} times the size ({} or its inverse is needed)",
                         limits.min_ratio
                     ),
                     Err(_) => String::new(),
@@ -139,7 +139,7 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
         format!(
-            "map cells with another half turn, relative to as published, over {:.0} m",
+            "size of the map if the lidar were turned by 180 deg, relative to the map as mounted, over {:.0} m",
             maps.way_m
         ),
         ratio,

@@ -1,6 +1,8 @@
 //! TIME08: at which moment of a scan its header is stamped.
 
 use crate::analysis::lidar::Clouds;
+use crate::analysis::time::known_offsets::{Explanation, Tolerance, explain};
+use crate::analysis::time::streams::log_start_s;
 use crate::rules::prelude::*;
 use crate::tables::TimeOrigin;
 use crate::world::cloud::{CloudSample, PointTimes};
@@ -95,6 +97,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         let finding = Finding::warning(subject, message, clouds.place())
             .likely()
             .relation("elsewhere")
+            .detail(cause(clouds, f64::midpoint(mean(0), mean(1))))
             .help("use one clock for the header and the points, and stamp the header at the first or the last point of the scan");
         return out.fail(finding.measured(measured));
     }
@@ -118,6 +121,19 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         return out.fail(finding.measured(measured));
     }
     out.pass(subject, measured);
+}
+
+/// The known cause of the time from the header to the middle of its scan, in words.
+fn cause(clouds: &Clouds, middle_s: f64) -> String {
+    let period_s = clouds.period_s().unwrap_or(0.0);
+    let tolerance = Tolerance {
+        usual_s: period_s,
+        fine_s: period_s,
+    };
+    match explain(middle_s, tolerance, log_start_s(clouds.bag)) {
+        Explanation::One(known) => format!("The times of the points minus the header's stamp: {}.", known.what),
+        _ => String::new(),
+    }
 }
 
 /// When the points of a cloud were measured, relative to the header stamp; `None` where unit, period or origin of their times are unknown.

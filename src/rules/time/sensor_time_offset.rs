@@ -50,7 +50,7 @@ fn judge_bag(
             return;
         }
     };
-    let mut off: Vec<Finding> = Vec::new();
+    let (mut later, mut sooner): (Vec<Finding>, Vec<Finding>) = (Vec::new(), Vec::new());
     for (second, found) in others {
         let subject = second.subject.clone();
         if is_wrong(second, motion, sensors) {
@@ -84,7 +84,12 @@ fn judge_bag(
                     let is_large = beyond_s > slack_s(first, second);
                     let finding = late(first, second, &offset, measured, is_large, limits);
                     // In log time they agree: the stamps of one of them are off.
-                    off.push(if offset.in_log_s.abs() <= limit_s {
+                    let same = if offset.in_stamps_s > 0.0 {
+                        &mut later
+                    } else {
+                        &mut sooner
+                    };
+                    same.push(if offset.in_log_s.abs() <= limit_s {
                         finding.unless(codes::TIME01).unless(codes::TIME02)
                     } else {
                         finding
@@ -93,9 +98,6 @@ fn judge_bag(
             }
         }
     }
-    let (later, sooner) = off
-        .into_iter()
-        .partition(|finding: &Finding| finding.measured.first().is_some_and(|measured| measured.value > 0.0));
     for together in [later, sooner] {
         report_once(together, "do the same", out);
     }
@@ -128,11 +130,11 @@ fn slack_s(first: &Signal, second: &Signal) -> f64 {
 fn measured(first: &Signal, offset: &Offset, limit_s: f64) -> [Measured; 2] {
     [
         Measured::new(
-            format!("offset from {}, by {}", words(first), offset.by.words()),
-            offset.in_stamps_s,
+            format!("size of the offset from {}, by {}", words(first), offset.by.words()),
+            offset.in_stamps_s.abs(),
             "s",
         )
-        .limit(limit_s.copysign(offset.in_stamps_s))
+        .limit(limit_s)
         .spread(offset.sigma_s),
         Measured::new("correlation", offset.correlation, "1").samples(count(offset.n_eff)),
     ]
@@ -160,6 +162,16 @@ fn count(n_eff: f64) -> u64 {
     n_eff.max(0.0) as u64
 }
 
+/// What to do to stamps that are to change by this, in words.
+fn correction(by_s: f64) -> String {
+    let size_s = by_s.abs();
+    if by_s > 0.0 {
+        format!("add {size_s:.3} s to")
+    } else {
+        format!("subtract {size_s:.3} s from")
+    }
+}
+
 fn late(
     first: &Signal,
     second: &Signal,
@@ -177,10 +189,11 @@ fn late(
         limits.sigmas * offset.sigma_s
     );
     let help = format!(
-        "stamp with the time of measurement, not of arrival; or set the delay in the filter: {} {size_s:.3} s {} the stamps of {}",
-        if offset.in_stamps_s > 0.0 { "subtract" } else { "add" },
-        if offset.in_stamps_s > 0.0 { "from" } else { "to" },
-        second.subject
+        "find out which of the two is not stamped with the time of measurement, and correct that one: {} the stamps of {}, or {} those of {}",
+        correction(-offset.in_stamps_s),
+        second.subject,
+        correction(offset.in_stamps_s),
+        words(first)
     );
     let severity = if is_large { Severity::Warning } else { Severity::Note };
     let finding = Finding::new(severity, &second.subject, message, second.place.clone())

@@ -82,7 +82,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
         let named = naming.has_word(stream);
         let measured = Measured::new("stamp minus log time", offset, "s")
             .spread(spread)
-            .limit(limits.late_s);
+            .at_least(-limits.late_s);
         if named || !naming.is_comparable(stream) {
             let why = format!("stamps are {offset:.3} s from the log clock, on another clock or time scale");
             out.not_applicable(stream.subject.clone(), why);

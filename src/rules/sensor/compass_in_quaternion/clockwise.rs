@@ -10,7 +10,7 @@ use crate::analysis::sensor::yaw_zero::YawZero;
 
 /// Where the zero of a yaw is that grows clockwise, in degrees from north.
 enum Zero {
-    North(f64),
+    North,
     East,
     Elsewhere(f64),
     Unsteady,
@@ -35,7 +35,7 @@ impl YawZero {
     /// Where the zero of a yaw is that grows clockwise.
     fn zero(&self, limits: &Limits) -> Zero {
         match self.zero_rad.map(f64::to_degrees) {
-            Some(deg) if deg.abs() <= limits.max_offset_deg => Zero::North(deg),
+            Some(deg) if deg.abs() <= limits.max_offset_deg => Zero::North,
             Some(deg) if (deg + 90.0).abs() <= limits.max_offset_deg => Zero::East,
             Some(deg) => Zero::Elsewhere(deg),
             None => Zero::Unsteady,
@@ -46,7 +46,7 @@ impl YawZero {
     /// explains it.
     pub(crate) fn stray(&self, limits: &Limits) -> Option<String> {
         let zero = match self.zero(limits) {
-            Zero::North(_) | Zero::East => return None,
+            Zero::North | Zero::East => return None,
             Zero::Elsewhere(deg) => format!("its zero is {deg:.0} deg from north"),
             Zero::Unsteady => "its zero is not constant".to_owned(),
         };
@@ -65,9 +65,9 @@ impl YawZero {
         limits: &Limits,
     ) -> Finding {
         let (relation, what, detail) = match self.zero(limits) {
-            Zero::North(deg) => (
+            Zero::North => (
                 "compass-yaw",
-                format!("is a compass heading, clockwise from north (off by {deg:.1} deg)"),
+                "is a compass heading: clockwise from north, not counter-clockwise from east".to_owned(),
                 "",
             ),
             Zero::East => (

@@ -147,20 +147,25 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
     } else {
         (format!("{:.3} s behind the log clock", -offset), "")
     };
-    let (severity, limit, help) = match (far, offset > 0.0) {
+    let measured = Measured::new("stamp minus log time", offset, "s");
+    let (severity, measured, help) = match (far, offset > 0.0) {
         (true, _) => (
             Severity::Error,
-            limits.far_s,
+            if offset > 0.0 {
+                measured.limit(limits.far_s)
+            } else {
+                measured.at_least(-limits.far_s)
+            },
             "find the clock that stamps, and synchronise it (PTP, GPS, NTP)",
         ),
         (false, true) => (
             Severity::Warning,
-            ahead_s,
+            measured.limit(ahead_s),
             "synchronise the clock that stamps with the recorder's (PTP, NTP). Only a forecast may have a stamp in the future",
         ),
         (false, false) => (
             Severity::Warning,
-            late_s,
+            measured.at_least(-late_s),
             "look for a driver that queues, a slow link, or a clock that is not synchronised. Filters must wait for such messages",
         ),
     };
@@ -170,12 +175,7 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
         .detail(detail)
         .help(help)
         .unless(codes::TIME01)
-        .measured(
-            Measured::new("stamp minus log time", offset, "s")
-                .limit(limit)
-                .spread(spread)
-                .samples(stream.stamps.count),
-        );
+        .measured(measured.spread(spread).samples(stream.stamps.count));
     Some(Fault {
         kind: Kind::Offset,
         size: offset,

@@ -196,12 +196,10 @@ impl Case<'_> {
         let Some(edge) = edge else {
             return match culprit {
                 Culprit::Loop => "the frame tree contains a loop".to_owned(),
-                _ => "at these times the two frames are not connected, because a frame between them has another parent"
-                    .to_owned(),
+                _ => self.disconnected(),
             };
         };
         let name = format!("`{}` -> `{}`", edge.parent, edge.child);
-        let after_start = |log_ns: i64| log_ns.saturating_sub(self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9;
         match edge.count {
             1 => format!(
                 "{name} was sent once on `{}`, and is valid only at that instant",
@@ -209,13 +207,44 @@ impl Case<'_> {
             ),
             _ if is_past => format!(
                 "{name} starts {:.1} s into the recording",
-                after_start(edge.first_at.log_ns)
+                self.after_start_s(edge.first_at.log_ns)
             ),
             _ => format!(
                 "{name} ends {:.1} s into the recording",
-                after_start(edge.last_at.log_ns)
+                self.after_start_s(edge.last_at.log_ns)
             ),
         }
+    }
+
+    /// Which frame has another parent, and when, where two frames are connected at some times only.
+    fn disconnected(&self) -> String {
+        let Self { frame, target, .. } = self;
+        let above = self.heard.above([*frame, *target]);
+        let switched = above.iter().find(|child| {
+            let mut parents = self.heard.edges_to(child).map(|edge| edge.parent.canonical());
+            let first = parents.next();
+            parents.any(|parent| Some(parent) != first)
+        });
+        let Some(child) = switched else {
+            return format!("at these times no transforms connect `{frame}` and `{target}`");
+        };
+        let parents: Vec<String> = self
+            .heard
+            .edges_to(child)
+            .map(|edge| {
+                let [from_s, to_s] = [&edge.first_at, &edge.last_at].map(|at| self.after_start_s(at.log_ns));
+                format!("`{}` on `{}` ({from_s:.1} to {to_s:.1} s)", edge.parent, edge.topic)
+            })
+            .collect();
+        format!(
+            "at these times `{frame}` and `{target}` are not connected: `{child}` has several parents, {}",
+            parents.join(" and ")
+        )
+    }
+
+    /// Log time since the start of the recording, seconds.
+    fn after_start_s(&self, log_ns: i64) -> f64 {
+        log_ns.saturating_sub(self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9
     }
 
     fn place(&self, edge: Option<&TfEdge>, at_end: bool) -> Place {
