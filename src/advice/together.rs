@@ -29,7 +29,7 @@ pub(crate) fn report_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
             0 => String::new(),
             n => format!(" and {n} more"),
         };
-        first = first.detail(format!("Others: {}{rest} {more}.", named.join(", ")));
+        first = first.detail(format!("Others that {more}: {}{rest}.", named.join(", ")));
     }
     let (cause, severity, confidence) = (first.subject.clone(), first.severity, first.confidence);
     out.fail(first);

@@ -146,7 +146,7 @@ fn thresholds(grid: &Grid) -> Option<Fault> {
             "thresholds",
             format!("the thresholds of the map are invalid: free below {free}, occupied above {occupied}"),
             "write shares from 0 to 1 with free_thresh below occupied_thresh; map_saver writes 0.196 and 0.65",
-            Measured::new("occupied less free", occupied - free, "1").limit(0.0),
+            Measured::new("occupied less free", occupied - free, "1").at_least(0.0),
         )
     })
 }

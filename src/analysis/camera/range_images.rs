@@ -34,7 +34,7 @@ pub(crate) fn alone(image: &RangeImage) -> Vec<Fault> {
             detail: String::new(),
             relation: "swapped",
             help: "exchange the two edges, or check the sign of the lower one",
-            measured: Measured::new("declared height", up - down, "deg").limit(0.0),
+            measured: Measured::new("declared height", up - down, "deg").at_least(0.0),
             is_certain: true,
         });
     }

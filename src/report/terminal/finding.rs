@@ -205,10 +205,18 @@ impl NumberText {
         let rounded = |value: f64| if value.abs() < least { 0.0 } else { value };
         Self {
             value: spell(rounded(measured.value), digits),
-            limit: measured.limit.map(|limit| spell(limit, digits)),
+            limit: measured
+                .limit
+                .map(|limit| format!("{}{}", side(measured, limit), spell(limit, digits))),
             spread: measured.spread.map(|spread| spell(rounded(spread), 4)),
         }
     }
+}
+
+/// The sign before a limit that holds on both sides, where the value is on the other one.
+fn side(measured: &Measured, limit: f64) -> &'static str {
+    let is_below = measured.bound == Bound::Within && measured.value < 0.0 && limit > 0.0;
+    if is_below { "±" } else { "" }
 }
 
 fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {

@@ -80,10 +80,10 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
         (false, None) => Finding::warning(subject, message, place).hint(),
     };
     let finding = finding
-        .help("write the calibration into that file, and let the loader fail without it: a missing calibration must not become the identity")
-        .measured(Measured::count("calibration files without content", 1).limit(0.0));
+        .help("correct the path, or write the calibration into that file; and let the loader fail without it: a missing calibration must not become the identity")
+        .measured(Measured::count("calibration files that are missing or empty", 1).limit(0.0));
     match stand_in {
-        Some(claim) => finding.related(claim.place.clone(), "a sensor is mounted here with the identity"),
+        Some(claim) => finding.related(claim.place.clone(), "an identity, which may be what is used instead"),
         None => finding,
     }
 }

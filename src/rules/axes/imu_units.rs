@@ -198,7 +198,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     }
     let gain = score.gain.abs();
     let measured = Measured::new("rotation by the orientation over rotation by the gyro", gain, "1")
-        .limit(limits.gain_share)
+        .expected(1.0)
         .samples(turns.active as u64);
     let near = |value: f64| (gain / value - 1.0).abs() <= limits.gain_share;
     // Standard error of a slope, three numbers a window.

@@ -74,7 +74,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .detail(detail)
         .related(known.poses.1.clone(), "compared with this motion")
         .help(format!(
-            "rotate the mounting transform by {:+.1} deg about z of `{}` (multiply from the left)",
+            "rotate the mounting by {:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation",
             yaw.off_deg, known.body
         ))
         .unless(codes::CROSS04);

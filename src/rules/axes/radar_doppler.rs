@@ -390,7 +390,7 @@ fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: 
         .detail(detail)
         .related(way.place.clone(), "compared with this motion")
         .help(format!(
-            "rotate the mounting by {lacks_deg:+.1} deg about z of `{}` (multiply from the left of the existing rotation)",
+            "rotate the mounting by {lacks_deg:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation",
             way.body
         ))
         .measured(measured(seen, off_rad, limits))

@@ -165,7 +165,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
 
 /// A finding where the numbers that must be zero or one are not.
 fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Finding> {
-    let [fx, _, cx, k10, _, cy, k20, k21, k22] = published.calibration.k;
+    let [_, _, cx, k10, _, cy, k20, k21, k22] = published.calibration.k;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
     if is(k10, 0.0) && is(k20, 0.0) && is(k21, 0.0) && is(k22, 1.0) {
         return None;
@@ -190,8 +190,14 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
     );
     let finding = Finding::error(subject, message, published.place.clone())
         .relation(relation)
-        .detail(format!("Its fourth number is {k10}, where 0 is required."));
-    Some(finding.measured(Measured::new("fx", fx, "px")).help(help))
+        .detail(format!(
+            "Row by row, its last three numbers must be 0, 0, 1; its fourth is {k10} and must be 0."
+        ));
+    Some(
+        finding
+            .measured(Measured::new("last number", k22, "1").expected(1.0))
+            .help(help),
+    )
 }
 
 /// Compares an image's size with the one that is calibrated.

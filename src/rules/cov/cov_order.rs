@@ -48,7 +48,9 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limit
     };
     let (published, swapped) = (fit.miss(Reading::AsPublished), fit.miss(Reading::RotationFirst));
     let measured = [
-        Measured::new("factor to the noise, positions first", published, "1").samples(fit.poses),
+        Measured::new("factor to the noise, positions first", published, "1")
+            .limit(limits.loosely)
+            .samples(fit.poses),
         Measured::new("factor to the noise, rotations first", swapped, "1")
             .limit(limits.fits)
             .samples(fit.poses),

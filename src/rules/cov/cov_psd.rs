@@ -61,7 +61,7 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
         [
             Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
             Measured::new("smallest eigenvalue over the largest number", *least, "1")
-                .limit(limits.negative)
+                .at_least(limits.negative)
                 .samples(evidence.count),
         ],
     );
@@ -152,7 +152,7 @@ fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
         words: format!("negative eigenvalue, {least:.3e} of the largest element"),
         detail: String::new(),
         help: "check for covariances larger than their variances allow, variances of zero beside them, or rounding",
-        measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").limit(limits.negative),
+        measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").at_least(limits.negative),
         at,
     })
 }

@@ -73,7 +73,7 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
         return;
     };
     if let Some((way, other)) = misread(position, &others(world, fixes), limits) {
-        return out.fail(misreading(bag, subject, fixes, (position, way, other), limits));
+        return out.fail(misreading(bag, subject, fixes, (position, way, other)));
     }
     let degrees = |name, value, limit| Measured::new(name, value, "deg").limit(limit).samples(with_fix);
     let measured = [
@@ -88,14 +88,16 @@ fn misreading(
     subject: &str,
     fixes: &FixEvidence,
     (position, way, other): (Position, Reading, Option<&str>),
-    limits: &Limits,
 ) -> Finding {
     let place = match fixes.samples.first() {
         Some(first) => Place::message(bag.source, first.at.clone()),
         None => Place::whole(bag.source),
     };
     let (probably, detail) = match other {
-        Some(other) => ("", format!("Read this way, the position agrees with `{other}`.")),
+        Some(other) => (
+            "",
+            format!("Corrected, it is where `{other}` is (or that one is the wrong one)."),
+        ),
         None => (
             "probably ",
             "As published, the position is in the Gulf of Guinea. A second receiver would confirm the unit.".to_owned(),
@@ -108,9 +110,8 @@ fn misreading(
     let finding = Finding::error(subject, message, place)
         .relation(way.relation)
         .detail(detail)
-        .help("publish latitude and longitude in degrees (WGS 84)")
-        .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count))
-        .measured(Measured::new("required agreement", limits.agree_deg, "deg"));
+        .help("publish latitude and longitude in degrees (WGS 84), each in the field of its name")
+        .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count));
     if other.is_some() {
         finding.likely()
     } else {

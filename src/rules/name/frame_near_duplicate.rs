@@ -77,7 +77,7 @@ fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Similar
         "`{frame}` ({words}) is not in the tree, but {} from `{}`",
         near.how, near.frame
     );
-    let edits = Measured::count("edits between the names", near.edits).limit(limits.max_edits as f64);
+    let edits = Measured::count("edits between the names, separators aside", near.edits).limit(limits.max_edits as f64);
     let place = place.unwrap_or_else(|| crate::source::Place::whole(crate::source::SourceId(0)));
     let finding = Finding::warning(format!("frame `{frame}`"), message, place)
         .likely()

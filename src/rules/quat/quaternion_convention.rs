@@ -28,7 +28,7 @@ fn judge_turned(
     out: &mut Judge,
 ) {
     let windows = turned.windows as u64;
-    let measured = [
+    let mut measured = vec![
         Measured::new("residual as published", turned.as_published.residual, "1")
             .limit(turned.limit)
             .samples(windows),
@@ -38,6 +38,10 @@ fn judge_turned(
     ];
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
+    }
+    let axis = turned.axis.unwrap_or_default();
+    if let (Turn::Partly, Some(Some(correlation))) = (turned.class, turned.correlations().get(axis)) {
+        measured.push(Measured::new("correlation about that axis", *correlation, "1").at_least(limits.axis_agrees));
     }
     let what = match turned.class {
         Turn::Reordered => "orientation follows its gyro only when read as w, x, y, z".to_owned(),
@@ -68,7 +72,7 @@ fn judge_turned(
         format!("The residual is the part of the gyro's rotation that the orientation does not explain.{other_axes}");
     let otherwise = match turned.class {
         Turn::Partly => {
-            "correct the order in which roll, pitch and yaw are composed: ROS uses Rz(yaw) Ry(pitch) Rx(roll)"
+            "check the order in which roll, pitch and yaw are composed (ROS: Rz(yaw) Ry(pitch) Rx(roll)), and that axis of the gyro"
         }
         Turn::Unrelated => {
             "check for fields filled from another message, degrees instead of radians, or a wrong Euler order"

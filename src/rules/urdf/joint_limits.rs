@@ -100,7 +100,7 @@ fn judge_limit(
         let finding = Finding::new(severity, owner, message, place)
             .label("lower is above upper")
             .help("exchange the two numbers, or correct the sign of one")
-            .measured(Measured::new("upper minus lower", upper - lower, unit).limit(0.0));
+            .measured(Measured::new("upper minus lower", upper - lower, unit).at_least(0.0));
         return out.fail(finding);
     }
     let largest = lower.abs().max(upper.abs());

@@ -55,7 +55,11 @@ fn finding(world: &World, robot: &Robot, repeated: &RepeatedItem) -> Option<Find
         Finding::new(severity, subject, message, second.clone())
             .label("second")
             .related(first.clone(), "first")
-            .help("delete all but the intended one: which one is read depends on the parser")
+            .help(if same {
+                "delete the repeated one"
+            } else {
+                "delete all but the intended one: which one is read depends on the parser"
+            })
             .measured(Measured::count(format!("<{element}> elements"), count).limit(1.0)),
     )
 }

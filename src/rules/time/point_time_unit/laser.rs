@@ -69,9 +69,7 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
         let finding = Finding::error(subject, message, scans.place())
             .likely()
             .relation("unit")
-            .help(format!(
-                "publish `{name}` in seconds, the unit of the message: deskewing multiplies by it"
-            ));
+            .help("publish `scan_time` and `time_increment` in seconds, the unit of the message: programs that deskew compute with them");
         return out.fail(finding.measured(measured));
     }
     if stated.iter().any(|(_, value)| fits(*value)) {
