@@ -23,6 +23,20 @@ pub(crate) fn rewrite(world: &World, source: SourceId, literal: &Literal, text: 
     replace(world, Place::text(source, literal.span), &literal.text, text)
 }
 
+/// Edits that give literals these values; a literal that has its value already is left as it is. `None` where one of the others is not
+/// found at its place, as in [`rewrite`].
+pub(crate) fn rewrite_values<'l>(
+    world: &World,
+    source: SourceId,
+    values: impl IntoIterator<Item = (&'l Literal, f64)>,
+) -> Option<Vec<Edit>> {
+    values
+        .into_iter()
+        .filter(|(literal, value)| (literal.value - value).abs() > 1e-12 * (1.0 + value.abs()))
+        .map(|(literal, value)| rewrite(world, source, literal, spell(value)))
+        .collect()
+}
+
 /// Replaces the text `written` at `place`. `None` where the text there is different.
 pub(crate) fn replace(world: &World, place: Place, written: &str, text: impl Into<String>) -> Option<Edit> {
     let span = place.span()?;
@@ -67,7 +81,7 @@ pub(crate) fn is_macro(text: &str) -> bool {
 impl Parts<'_> {
     /// Edits that write another rotation into the block, where entries differ. `None` where the text of an entry is not known.
     pub(crate) fn replace_rotation(&self, world: &World, rotation: &Matrix3<f64>) -> Option<Vec<Edit>> {
-        let mut edits = Vec::new();
+        let mut values = Vec::new();
         for row in 0..3 {
             for col in 0..3 {
                 let (r, c) = if self.transposed {
@@ -78,14 +92,10 @@ impl Parts<'_> {
                 } else {
                     (row, col)
                 };
-                let literal = self.literal(r, c)?;
-                let value = spell(*rotation.get((row, col))?);
-                if value != spell(literal.value) {
-                    edits.push(rewrite(world, self.source(), literal, value)?);
-                }
+                values.push((self.literal(r, c)?, *rotation.get((row, col))?));
             }
         }
-        Some(edits)
+        rewrite_values(world, self.source(), values)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::advice::literal::{rewrite, spell};
+use crate::advice::literal::rewrite_values;
 use crate::math::rotation::{from_rpy, nearest_rotation, rotation_angle_between, to_rpy};
 use crate::verdict::Edit;
 use crate::world::{Claim, Literal, World};
@@ -192,11 +192,6 @@ impl Layout {
                 }
             }
         }
-        let changed = wanted
-            .into_iter()
-            .filter(|(literal, value)| (literal.value - value).abs() > 1e-12 * (1.0 + value.abs()));
-        changed
-            .map(|(literal, value)| rewrite(world, claim.place.source, literal, spell(value)))
-            .collect()
+        rewrite_values(world, claim.place.source, wanted)
     }
 }

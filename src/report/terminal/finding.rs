@@ -216,7 +216,7 @@ impl NumberText {
 /// The sign before a limit that holds on both sides, where the value is on the other one.
 fn side(measured: &Measured, limit: f64) -> &'static str {
     let is_below = measured.bound == Bound::Within && measured.value < 0.0 && limit > 0.0;
-    if is_below { "±" } else { "" }
+    if is_below { "+-" } else { "" }
 }
 
 fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {

@@ -83,7 +83,7 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
         .help("correct the path, or write the calibration into that file; and let the loader fail without it: a missing calibration must not become the identity")
         .measured(Measured::count("calibration files that are missing or empty", 1).limit(0.0));
     match stand_in {
-        Some(claim) => finding.related(claim.place.clone(), "an identity, which may be what is used instead"),
+        Some(claim) => finding.related(claim.place.clone(), "the identity, perhaps in place of the file"),
         None => finding,
     }
 }

@@ -193,11 +193,9 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
         .detail(format!(
             "Row by row, its last three numbers must be 0, 0, 1; its fourth is {k10} and must be 0."
         ));
-    Some(
-        finding
-            .measured(Measured::new("last number", k22, "1").expected(1.0))
-            .help(help),
-    )
+    let off = [k10, k20, k21, k22 - 1.0].map(f64::abs).into_iter().fold(0.0, f64::max);
+    let measured = Measured::new("largest difference of these four numbers", off, "1").limit(limits.exact);
+    Some(finding.measured(measured).help(help))
 }
 
 /// Compares an image's size with the one that is calibrated.

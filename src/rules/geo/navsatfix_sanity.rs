@@ -96,7 +96,7 @@ fn misreading(
     let (probably, detail) = match other {
         Some(other) => (
             "",
-            format!("Corrected, it is where `{other}` is (or that one is the wrong one)."),
+            format!("Corrected, it agrees with `{other}`; otherwise `{other}` itself is wrong."),
         ),
         None => (
             "probably ",
@@ -110,7 +110,7 @@ fn misreading(
     let finding = Finding::error(subject, message, place)
         .relation(way.relation)
         .detail(detail)
-        .help("publish latitude and longitude in degrees (WGS 84), each in the field of its name")
+        .help("publish latitude and longitude in degrees (WGS 84), each in its own field")
         .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count));
     if other.is_some() {
         finding.likely()

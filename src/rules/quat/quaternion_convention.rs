@@ -39,9 +39,11 @@ fn judge_turned(
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
     }
-    let axis = turned.axis.unwrap_or_default();
-    if let (Turn::Partly, Some(Some(correlation))) = (turned.class, turned.correlations().get(axis)) {
-        measured.push(Measured::new("correlation about that axis", *correlation, "1").at_least(limits.axis_agrees));
+    let about = turned
+        .axis
+        .and_then(|axis| turned.correlations().get(axis).copied().flatten());
+    if let (Turn::Partly, Some(correlation)) = (turned.class, about) {
+        measured.push(Measured::new("correlation about that axis", correlation, "1").at_least(limits.axis_agrees));
     }
     let what = match turned.class {
         Turn::Reordered => "orientation follows its gyro only when read as w, x, y, z".to_owned(),

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 use nalgebra::UnitQuaternion;
 
-use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::literal::{rewrite_values, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
 use crate::analysis::rot::angles::{Angles, stated};
@@ -113,12 +113,9 @@ fn finding(world: &World, angles: &Angles, detail: String) -> Finding {
         .detail(detail)
         .help("write radians, degrees times pi/180 (90 degrees are 1.5707963267948966); in xacro `${radians(90)}`")
         .relation("degrees");
-    let edits = angles
-        .radian_literals()
-        .iter()
-        .filter(|literal| literal.value != 0.0)
-        .map(|literal| rewrite(world, angles.place.source, literal, spell(literal.value.to_radians())))
-        .collect();
+    let literals = angles.radian_literals().iter();
+    let radians = literals.map(|literal| (literal, literal.value.to_radians()));
+    let edits = rewrite_values(world, angles.place.source, radians);
     with_fix(
         finding,
         "convert the angles to radians",

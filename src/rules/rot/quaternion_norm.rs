@@ -1,6 +1,6 @@
 //! ROT04: a quaternion that is not normalised.
 
-use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::literal::{rewrite_values, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::{places::cover, rot::quaternions, rot::quaternions::StatedQuaternion};
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
@@ -73,12 +73,8 @@ fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right
     if error.abs() >= limits.fix {
         return out.fail(finding);
     }
-    let edits = stated
-        .literals
-        .iter()
-        .filter(|literal| literal.value != 0.0)
-        .map(|literal| rewrite(world, stated.place.source, literal, spell(literal.value / norm)))
-        .collect();
+    let unit = stated.literals.iter().map(|literal| (literal, literal.value / norm));
+    let edits = rewrite_values(world, stated.place.source, unit);
     out.fail(with_fix(finding, "normalise the quaternion", Safety::Safe, edits));
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::literal::{rewrite_values, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
 use crate::analysis::rot::translations::{StatedTranslation, by_source};
@@ -185,10 +185,7 @@ fn finish(world: &World, finding: Finding, source: SourceId, stated: &StatedTran
             "divide the three numbers by {factor}, or convert where the file is written"
         ))
         .measured(Measured::new("length", stated.norm(), "m").limit(10.0));
-    let edits = stated
-        .literals
-        .iter()
-        .map(|literal| rewrite(world, source, literal, spell(literal.value / factor)))
-        .collect();
+    let metres = stated.literals.iter().map(|literal| (literal, literal.value / factor));
+    let edits = rewrite_values(world, source, metres);
     with_fix(finding, &format!("divide by {factor}"), Safety::ChangesBehaviour, edits)
 }

@@ -1,6 +1,6 @@
 //! URDF03: the axis of a moving joint is zero, or not normalised.
 
-use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::literal::{rewrite_values, with_fix};
 use crate::advice::{subject, tally::Tally};
 use crate::rules::prelude::*;
 use crate::verdict::Safety;
@@ -69,11 +69,8 @@ fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, lengt
         .label("no direction")
         .help("write the direction that the joint moves about or along; make a joint that does not move `fixed`");
     }
-    let edits = list
-        .literals
-        .iter()
-        .map(|literal| rewrite(world, robot.source, literal, spell(literal.value / length)))
-        .collect();
+    let unit = list.literals.iter().map(|literal| (literal, literal.value / length));
+    let edits = rewrite_values(world, robot.source, unit);
     let finding = Finding::warning(
         owner,
         format!("the axis `{text}` of joint `{name}` has length {length:.4}, not 1"),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::advice::literal::{is_macro, rewrite, spell, with_fix};
+use crate::advice::literal::{is_macro, rewrite_values, with_fix};
 use crate::advice::{subject, tally::Tally};
 use crate::rules::prelude::*;
 use crate::verdict::Safety;
@@ -113,10 +113,8 @@ fn judge_limit(
         "the limits {lower} and {upper} of joint `{name}` are probably degrees: as radians {:.0} turns",
         largest / (2.0 * PI)
     );
-    let edits = literals
-        .iter()
-        .map(|literal| rewrite(world, robot.source, literal, spell(literal.value.to_radians())))
-        .collect();
+    let radians = literals.iter().map(|literal| (*literal, literal.value.to_radians()));
+    let edits = rewrite_values(world, robot.source, radians);
     let whole = [lower, upper].iter().all(|bound| bound.fract() == 0.0);
     let finding = if whole {
         Finding::error(owner, message, place)

@@ -147,27 +147,28 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
     } else {
         (format!("{:.3} s behind the log clock", -offset), "")
     };
-    let measured = Measured::new("stamp minus log time", offset, "s");
-    let (severity, measured, help) = match (far, offset > 0.0) {
+    let (severity, limit, help) = match (far, offset > 0.0) {
         (true, _) => (
             Severity::Error,
-            if offset > 0.0 {
-                measured.limit(limits.far_s)
-            } else {
-                measured.at_least(-limits.far_s)
-            },
+            limits.far_s,
             "find the clock that stamps, and synchronise it (PTP, GPS, NTP)",
         ),
         (false, true) => (
             Severity::Warning,
-            measured.limit(ahead_s),
+            ahead_s,
             "synchronise the clock that stamps with the recorder's (PTP, NTP). Only a forecast may have a stamp in the future",
         ),
         (false, false) => (
             Severity::Warning,
-            measured.at_least(-late_s),
+            late_s,
             "look for a driver that queues, a slow link, or a clock that is not synchronised. Filters must wait for such messages",
         ),
+    };
+    let measured = Measured::new("stamp minus log time", offset, "s");
+    let measured = if offset > 0.0 {
+        measured.limit(limit)
+    } else {
+        measured.at_least(-limit)
     };
     let message = format!("{}: stamps are {what}", stream.subject);
     let finding = Finding::new(severity, stream.subject.clone(), message, stream.place())
