@@ -23,6 +23,7 @@ pub mod compare;
 pub mod config;
 pub mod convert;
 pub mod engine;
+pub mod faults;
 pub mod files;
 pub mod fix;
 pub mod math;

@@ -35,6 +35,8 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
                 "source", "world", "verdict", "page", "math", "tables", "analysis", "advice",
             ],
         ),
+        // The catalogue of mistakes names relations and the rules that should see them.
+        ("faults", &["source", "world", "verdict", "math"]),
         ("run", &["source", "world", "verdict", "page"]),
         (
             "report",

@@ -1,0 +1,142 @@
+//! The catalogue of known mistakes: what each is called, what can have it, how it changes a world, and what names it in a finding.
+//!
+//! A mistake is put into a world in memory, and changes it as the same mistake in the files or messages would change what is read of
+//! them. Mistakes are data with pure functions; nothing is judged here, and nothing is read.
+
+mod cameras;
+mod clouds;
+mod motion;
+mod mountings;
+mod statements;
+mod subject;
+mod tree;
+
+use crate::source::Confidence;
+use crate::verdict::{Finding, Row};
+use crate::world::World;
+
+pub use subject::{Subject, SubjectPlace};
+
+/// What kind of thing a mistake is made in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Family {
+    /// A transform that a file, a joint or a static transform states.
+    Statement,
+    /// How a sensor is mounted, by its static transform.
+    Mounting,
+    /// A point cloud.
+    Cloud,
+    /// An inertial sensor.
+    Imu,
+    /// Poses and velocities: odometry, localization, TF.
+    Pose,
+    /// A satellite receiver.
+    Fix,
+    /// Stamps of messages.
+    Time,
+    /// A camera or its optical frame.
+    Camera,
+    /// Names of frames and the tree that they form.
+    Tree,
+}
+
+impl Family {
+    /// The word used in reports and for `--select`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Statement => "statement",
+            Self::Mounting => "mounting",
+            Self::Cloud => "cloud",
+            Self::Imu => "imu",
+            Self::Pose => "pose",
+            Self::Fix => "fix",
+            Self::Time => "time",
+            Self::Camera => "camera",
+            Self::Tree => "tree",
+        }
+    }
+}
+
+/// A known mistake.
+pub struct Fault {
+    /// What it is made in.
+    pub family: Family,
+    /// Its name: words with hyphens, unique.
+    pub name: &'static str,
+    /// One plain sentence: what is wrong.
+    pub sentence: &'static str,
+    /// What can have it, and how it changes that.
+    pub change: &'static dyn Change,
+    /// Relations of findings that name it.
+    pub relations: &'static [&'static str],
+    /// Texts of findings that name it, where they have no relation.
+    pub texts: &'static [&'static str],
+    /// The rules that should see it: a code, or a code and the start of a row's subject (`AXES08 velocity`).
+    pub seen_by: &'static [&'static str],
+    /// What to record or to add where it is missed.
+    pub record: &'static str,
+}
+
+/// How a mistake changes a world.
+pub trait Change: Sync {
+    /// What in this world can have the mistake.
+    fn subjects(&self, world: &World) -> Vec<Subject>;
+
+    /// Puts the mistake into a subject of this world. False if that changes nothing that counts: the subject looks the same with it.
+    fn apply(&self, world: &mut World, subject: &Subject) -> bool;
+
+    /// Relations that change this subject in just the same way: a finding that names one of them is right as well.
+    fn same_as(&self, _world: &World, _subject: &Subject) -> Vec<&'static str> {
+        Vec::new()
+    }
+}
+
+impl Fault {
+    /// Whether a finding names the mistake; `same` are other relations that change the subject in the same way. A hint names nothing.
+    pub fn is_named_by(&self, finding: &Finding, same: &[&str]) -> bool {
+        let relation = finding.relation.as_deref();
+        let by_relation = relation.is_some_and(|word| self.relations.contains(&word) || same.contains(&word));
+        let by_text = || self.texts.iter().any(|text| finding.text().contains(text));
+        finding.confidence > Confidence::Hint && (by_relation || by_text())
+    }
+
+    /// Whether a row is of a rule that should see the mistake.
+    pub fn is_seen_in(&self, row: &Row) -> bool {
+        self.seen_by.iter().any(|seen| {
+            let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
+            row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
+        })
+    }
+}
+
+/// Every mistake, in a fixed order.
+pub fn catalogue() -> impl Iterator<Item = &'static Fault> {
+    let tables = [
+        statements::FAULTS,
+        mountings::FAULTS,
+        clouds::FAULTS,
+        cameras::FAULTS,
+        tree::FAULTS,
+    ];
+    tables.into_iter().chain(motion::tables()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_every_mistake_is_described() {
+        let names: BTreeSet<&str> = catalogue().map(|fault| fault.name).collect();
+        assert_eq!(names.len(), catalogue().count());
+        for fault in catalogue() {
+            let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(fault.name.chars().all(is_word), "{}", fault.name);
+            assert!(fault.sentence.ends_with('.'), "{}", fault.name);
+            assert!(!fault.record.is_empty() && !fault.seen_by.is_empty(), "{}", fault.name);
+            assert!(!fault.relations.is_empty() || !fault.texts.is_empty(), "{}", fault.name);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What a mistake is put into.
+
+use crate::world::FrameId;
+
+/// Something of a world that can have a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// Its name in reports: ``topic `/imu` ``.
+    pub name: String,
+    /// Names that the subject of a row contains, with backticks, if the row is about it.
+    pub words: Vec<String>,
+    /// Where it is in the world.
+    pub at: SubjectPlace,
+}
+
+/// Where in a world a subject is. Recordings, claims and edges are numbered as in the lists of the world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SubjectPlace {
+    /// The claim with this number.
+    Claim(usize),
+    /// An edge of TF.
+    Edge {
+        /// The recording.
+        bag: usize,
+        /// The edge.
+        edge: usize,
+    },
+    /// A topic.
+    Topic {
+        /// The recording.
+        bag: usize,
+        /// The name of the topic.
+        topic: String,
+    },
+    /// A frame of the platform.
+    Frame(FrameId),
+}
+
+impl Subject {
+    /// Whether a row or a finding with this subject is about it.
+    pub fn is_in(&self, text: &str) -> bool {
+        self.words.iter().any(|word| text.contains(word.as_str()))
+    }
+}
