@@ -7,6 +7,7 @@ mod cameras;
 mod clouds;
 mod motion;
 mod mountings;
+mod restate;
 mod statements;
 mod subject;
 mod tree;
@@ -98,6 +99,12 @@ impl Fault {
         let by_relation = relation.is_some_and(|word| self.relations.contains(&word) || same.contains(&word));
         let by_text = || self.texts.iter().any(|text| finding.text().contains(text));
         finding.confidence > Confidence::Hint && (by_relation || by_text())
+    }
+
+    /// The codes of the rules that should see it.
+    pub fn seers(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let codes = self.seen_by.iter();
+        codes.map(|seen| seen.split_once(' ').map_or(*seen, |(code, _)| code))
     }
 
     /// Whether a row is of a rule that should see the mistake.
