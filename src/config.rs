@@ -20,6 +20,7 @@
 //!   - {rule: AXES03, subject: '*/imu*', if: applicable}
 //!   - {rule: GEO01, lifted: no satellite receiver} # no longer required, although an entry before it or an extended file requires it
 //!   - {share: 0.8}                   # of the checks that apply
+//!   - {detects: [imu-wxyz, stated-inverse]} # known mistakes that these data would have shown; `frames-lint assure --list` lists them
 //! conventions:                     # see `declared`
 //!   - topic: /ins/*                # a glob; `frame:` and `file:` as well; all of those given must match
 //!     world: NED                   # ENU, NED, NWU
@@ -313,6 +314,7 @@ impl Config {
                 .exceptions
                 .extend(id.into_iter().flat_map(|id| layer.asked.exceptions(id)));
             policy.required.extend(layer.asked.required.iter().cloned());
+            policy.detections.extend(layer.asked.detections.iter().cloned());
             policy.share = layer.asked.share.clone().or(policy.share);
         }
         policy
@@ -328,6 +330,11 @@ impl Config {
     /// Every word that names rules, with its place; only the engine knows which rules exist.
     pub fn named_rules(&self) -> impl Iterator<Item = &(String, String)> {
         self.layers.iter().flat_map(|layer| &layer.asked.named)
+    }
+
+    /// The names and families of the known mistakes that must be found, with their places; only the engine knows which exist.
+    pub fn detections(&self) -> impl Iterator<Item = &(String, String)> {
+        self.layers.iter().flat_map(|layer| &layer.asked.mistakes)
     }
 
     /// Limits that differ from those of the pages.
@@ -359,7 +366,10 @@ impl Config {
             ("projections", has(|layer| !layer.projections.is_empty())),
             (
                 "require",
-                has(|layer| !layer.asked.required.is_empty() || layer.asked.share.is_some()),
+                has(|layer| {
+                    let asked = &layer.asked;
+                    !asked.required.is_empty() || !asked.detections.is_empty() || asked.share.is_some()
+                }),
             ),
             ("rules: select", has(|layer| layer.asked.select.is_some())),
         ];

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::assure::Assurance;
 use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::{Acceptance, Finding, KeptOutcomes, Outcome, Row, Severity, Verdict};
@@ -45,6 +46,8 @@ pub struct Run {
     pub fail_on: Option<FailOn>,
     /// The verdict of each recording, if there are several.
     pub recordings: Vec<Recording>,
+    /// What became of known mistakes, if they were tried.
+    pub assurance: Option<Assurance>,
     /// Which outcomes are kept.
     pub kept: KeptOutcomes,
 }
@@ -82,12 +85,26 @@ impl RunUpdate {
     }
 }
 
-/// A requirement that is not met: a rule that had to be evaluated and was not, or too few evaluated checks.
+/// What is required.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RequirementKind {
+    /// That a rule is evaluated.
+    Rule,
+    /// That a share of the checks is evaluated.
+    Share,
+    /// That a known mistake would be found.
+    Detection,
+}
+
+/// A requirement that is not met: a rule that had to be evaluated and was not, too few evaluated checks, or a known mistake that would not
+/// have been found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnmetRequirement {
-    /// Code of the rule; [`SHARE`] if a share of the checks is required.
+    /// What is required.
+    pub kind: RequirementKind,
+    /// Code of the rule, or the name of the mistake; `share` if a share of the checks is required.
     pub rule: String,
-    /// Its name.
+    /// The name of the rule, or the sentence of the mistake.
     pub name: String,
     /// The glob of required subjects; `None`: any subject.
     pub subject: Option<String>,
@@ -102,9 +119,6 @@ pub struct UnmetRequirement {
     /// Set if the user accepts that it was not evaluated.
     pub waived: Option<Acceptance>,
 }
-
-/// Replaces a rule's code where a share of the checks is required.
-pub const SHARE: &str = "share";
 
 /// Maximum number of recordings named with a requirement that is not met.
 const MAX_NAMED: usize = 5;
@@ -122,17 +136,12 @@ impl UnmetRequirement {
         reasons
     }
 
-    /// Whether a share of the checks is required, not a rule.
-    pub fn is_share(&self) -> bool {
-        self.rule == SHARE
-    }
-
     /// What is wrong, in one line: `TREE01 is required but was not evaluated: ...`.
     pub fn words(&self) -> String {
-        let what = if self.is_share() {
-            "too few checks were evaluated".to_owned()
-        } else {
-            format!("{} is required but was not evaluated", self.rule)
+        let what = match self.kind {
+            RequirementKind::Share => "too few checks were evaluated".to_owned(),
+            RequirementKind::Rule => format!("{} is required but was not evaluated", self.rule),
+            RequirementKind::Detection => format!("the mistake {} would not have been found", self.rule),
         };
         format!("{what}: {}", self.reason())
     }
@@ -267,6 +276,13 @@ pub struct Summary {
 }
 
 impl Run {
+    /// Adds what became of known mistakes.
+    pub fn assure(&mut self, assurances: impl IntoIterator<Item = Assurance>) {
+        for one in assurances {
+            self.assurance.get_or_insert_default().join(one);
+        }
+    }
+
     /// Counts files for which no reader exists.
     pub fn skip(&mut self, files: BTreeMap<String, usize>) {
         for (what, count) in files {

@@ -1,7 +1,7 @@
 //! Which mistakes would these data have shown?
 //!
 //! Every known mistake is put into every subject that can have it, in a copy of what was read, and the copy is judged with the rules of
-//! the run. Nothing altered reaches the run itself. Does not know which rules or mistakes exist.
+//! the run. Nothing altered reaches the run itself. Does not know which rules or mistakes exist, nor how rules are run.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,7 +9,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::engine::Rules;
 use crate::faults::{Fault, Subject};
 use crate::progress::Progress;
 use crate::source::Confidence;
@@ -41,12 +40,18 @@ impl TrialOutcome {
     }
 }
 
+/// Runs the rules that judge a platform.
+pub trait RuleRunner: Sync {
+    /// Judges a world with those of the rules whose code is wanted.
+    fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict;
+}
+
 /// One mistake, put into one subject.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Trial {
     /// The mistake.
     pub fault: &'static Fault,
-    /// The name of the platform; empty if there is only one.
+    /// The name of the platform.
     pub platform: String,
     /// The name of the subject.
     pub subject: String,
@@ -61,7 +66,7 @@ pub struct Trial {
 }
 
 /// The trials of a run.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Assurance {
     /// One for each mistake and subject, in the order of the platforms, the mistakes and the subjects.
     pub trials: Vec<Trial>,
@@ -74,43 +79,45 @@ impl Assurance {
     pub fn count(&self, outcome: TrialOutcome) -> usize {
         self.trials.iter().filter(|trial| trial.outcome == outcome).count()
     }
+
+    /// Adds the trials of another platform.
+    pub fn join(&mut self, other: Self) {
+        self.trials.extend(other.trials);
+        self.inapplicable.extend(other.inapplicable);
+        let tried: BTreeSet<&str> = self.trials.iter().map(|trial| trial.fault.name).collect();
+        let mut seen = BTreeSet::new();
+        self.inapplicable
+            .retain(|fault| !tried.contains(fault.name) && seen.insert(fault.name));
+    }
 }
 
-/// Tries these mistakes on judged worlds.
-pub fn assure(worlds: &[(World, Rules)], faults: &[&'static Fault], progress: &Progress) -> Assurance {
-    let platforms: Vec<Platform> = worlds
-        .iter()
-        .map(|(world, rules)| Platform::new(world, rules))
-        .collect();
-    let pairs = platforms
-        .iter()
-        .flat_map(|platform| faults.iter().map(move |fault| (platform, *fault)));
-    let trials: Vec<(&Platform, &'static Fault, Subject)> = pairs
-        .flat_map(|(platform, fault)| {
-            let subjects = fault.change.subjects(platform.world).into_iter();
-            subjects.map(move |subject| (platform, fault, subject))
-        })
-        .collect();
-    let task = progress.start("known mistakes", trials.len() as u64);
+/// Tries these mistakes on a platform.
+pub fn assure(world: &World, rules: &dyn RuleRunner, faults: &[&'static Fault], progress: &Progress) -> Assurance {
+    let platform = Platform::new(world, rules);
+    let pairs = faults.iter().flat_map(|fault| {
+        let subjects = fault.change.subjects(world).into_iter();
+        subjects.map(move |subject| (*fault, subject))
+    });
+    let pairs: Vec<(&'static Fault, Subject)> = pairs.collect();
+    let task = progress.start(&world.label, pairs.len() as u64);
     let done = AtomicU64::new(0);
-    let tried: Vec<Option<Trial>> = trials
+    let tried: Vec<Option<Trial>> = pairs
         .into_par_iter()
-        .map(|(platform, fault, subject)| {
-            let mut trial = platform.try_one(fault, &subject);
-            if let (Some(trial), true) = (&mut trial, worlds.len() > 1) {
-                trial.platform.clone_from(&platform.world.label);
-            }
+        .map(|(fault, subject)| {
+            let trial = platform.try_one(fault, &subject);
             task.update(done.fetch_add(1, Ordering::Relaxed) + 1);
             trial
         })
         .collect();
-    let trials: Vec<Trial> = tried.into_iter().flatten().collect();
-    let applied: BTreeSet<&str> = trials.iter().map(|trial| trial.fault.name).collect();
-    let inapplicable = faults.iter().copied().filter(|fault| !applied.contains(fault.name));
-    Assurance {
-        inapplicable: inapplicable.collect(),
-        trials,
-    }
+    let mut assurance = Assurance {
+        trials: Vec::new(),
+        inapplicable: faults.to_vec(),
+    };
+    assurance.join(Assurance {
+        trials: tried.into_iter().flatten().collect(),
+        inapplicable: Vec::new(),
+    });
+    assurance
 }
 
 /// A finding, whatever its numbers.
@@ -123,18 +130,18 @@ fn key(finding: &Finding) -> Key {
 /// A platform, and what is found without a mistake.
 struct Platform<'w> {
     world: &'w World,
-    rules: &'w Rules,
+    rules: &'w dyn RuleRunner,
     healthy: Verdict,
     /// What these rules alone find without a mistake.
     healthy_of: Mutex<BTreeMap<Vec<&'static str>, Arc<Vec<Key>>>>,
 }
 
 impl<'w> Platform<'w> {
-    fn new(world: &'w World, rules: &'w Rules) -> Self {
+    fn new(world: &'w World, rules: &'w dyn RuleRunner) -> Self {
         Self {
             world,
             rules,
-            healthy: rules.judge(world),
+            healthy: rules.judge(world, &|_| true),
             healthy_of: Mutex::default(),
         }
     }
@@ -153,7 +160,7 @@ impl<'w> Platform<'w> {
             rules.retain(|rule| seen.insert(rule.clone()));
             Trial {
                 fault,
-                platform: String::new(),
+                platform: self.world.label.clone(),
                 subject: subject.name.clone(),
                 outcome,
                 rules,
@@ -162,9 +169,7 @@ impl<'w> Platform<'w> {
             }
         };
         // The rules that should see it, first: judging with all of them takes longer, and may only hide a finding behind another.
-        let first = self
-            .rules
-            .judge_some(&world, |code| fault.seers().any(|seer| seer == code));
+        let first = self.rules.judge(&world, &|code| fault.seers().any(|seer| seer == code));
         let new = new_findings(&self.healthy_of(fault), &first);
         let is_final = |finding: &&&Finding| {
             fault.is_named_by(finding, &same) && finding.unless.iter().all(|deference| is_among(deference, fault))
@@ -172,7 +177,7 @@ impl<'w> Platform<'w> {
         if let Some(named) = new.iter().find(is_final) {
             return Some(trial(TrialOutcome::Named, &[*named], None));
         }
-        let altered = self.rules.judge(&world);
+        let altered = self.rules.judge(&world, &|_| true);
         let healthy: Vec<Key> = self.healthy.findings.iter().map(key).collect();
         let mut new = new_findings(&healthy, &altered);
         new.retain(|finding| finding.confidence > Confidence::Hint);
@@ -199,7 +204,7 @@ impl<'w> Platform<'w> {
         let made = known.entry(seers).or_insert_with(|| {
             let verdict = self
                 .rules
-                .judge_some(self.world, |code| fault.seers().any(|seer| seer == code));
+                .judge(self.world, &|code| fault.seers().any(|seer| seer == code));
             Arc::new(verdict.findings.iter().map(key).collect())
         });
         Arc::clone(made)

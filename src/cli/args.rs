@@ -171,6 +171,11 @@ pub(super) struct Check {
     pub(super) reporting: ReportOptions,
     #[command(flatten)]
     pub(super) views: Views,
+    /// Also put known mistakes into a copy of the data, and report which would not have been found
+    ///
+    /// `frames-lint assure` shows all of them. Findings and exit code stay as they are.
+    #[arg(long)]
+    pub(super) assure: bool,
     /// Print the time spent on each input and rule to standard error
     #[arg(long)]
     pub(super) timings: bool,

@@ -2,13 +2,12 @@
 
 use std::io::Read;
 
-use crate::assure::assure;
 use crate::engine;
 use crate::faults::{Fault, catalogue};
 use crate::files::Outputs;
-use crate::progress::Progress;
 use crate::report::{Style, assure as report, terminal};
-use crate::run::{EXIT_CLEAN, EXIT_INCOMPLETE};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_INCOMPLETE};
+use crate::verdict::{KeptOutcomes, Outcome};
 
 use super::args::{Assure, AssureFormat};
 use super::{Answer, Failure, Surroundings, nearest, paths, save};
@@ -27,17 +26,20 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
         (true, false) => Vec::new(),
         (false, _) => paths(asked.paths, stdin)?,
     };
-    let (run, worlds) = engine::check_worlds(&engine::Options {
+    let run = engine::check(&engine::Options {
         config: asked.config,
         evidence: asked.evidence,
+        assure: Some(faults),
         outputs: Outputs {
             files: asked.output.iter().cloned().collect(),
             force: asked.force,
             ..Outputs::default()
         },
+        sights: engine::Retention::None,
+        outcomes: KeptOutcomes::Unreported,
         ..asked.reading.options(given, surroundings)
     })?;
-    let assurance = assure(&worlds, &faults, &Progress::of_trials(surroundings.progress));
+    let assurance = run.assurance.clone().unwrap_or_default();
     let style = if asked.output.is_some() {
         Style::PLAIN
     } else {
@@ -59,19 +61,19 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
     Ok(Answer {
         out,
         err: terminal::render_unread(&run, plain),
-        code: if is_incomplete { EXIT_INCOMPLETE } else { EXIT_CLEAN },
+        code: match () {
+            () if run.verdict.count(Outcome::Crashed) > 0 => EXIT_CRASHED,
+            () if is_incomplete => EXIT_INCOMPLETE,
+            () => EXIT_CLEAN,
+        },
         ..Answer::default()
     })
 }
 
 /// The mistakes with these names or of these families; all if there are none.
 fn selected(select: &[String]) -> Result<Vec<&'static Fault>, Failure> {
-    let is_meant = |fault: &Fault, word: &str| {
-        let names = [fault.name, fault.family.word()];
-        names.iter().any(|name| name.eq_ignore_ascii_case(word))
-    };
     for word in select {
-        if !catalogue().any(|fault| is_meant(fault, word)) {
+        if !catalogue().any(|fault| fault.is_called(word)) {
             let known: Vec<&str> = catalogue()
                 .flat_map(|fault| [fault.name, fault.family.word()])
                 .collect();
@@ -81,6 +83,6 @@ fn selected(select: &[String]) -> Result<Vec<&'static Fault>, Failure> {
             )));
         }
     }
-    let is_selected = |fault: &&Fault| select.is_empty() || select.iter().any(|word| is_meant(fault, word));
+    let is_selected = |fault: &&Fault| select.is_empty() || select.iter().any(|word| fault.is_called(word));
     Ok(catalogue().filter(is_selected).collect())
 }

@@ -7,6 +7,7 @@ use std::mem::ManuallyDrop;
 use std::path::PathBuf;
 
 use crate::engine;
+use crate::faults::catalogue;
 use crate::files::Outputs;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
@@ -37,6 +38,7 @@ pub(super) fn run(
             (false, _) => paths(check.paths, stdin)?,
         },
         evidence: check.evidence,
+        assure: check.assure.then(|| catalogue().collect()),
         config: check.config,
         profile: check.profile,
         baseline: check.baseline,

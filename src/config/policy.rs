@@ -27,6 +27,10 @@ pub(super) struct PolicyLayer {
     waivers: Vec<WaiverDraft>,
     pub(super) required: Vec<Requirement>,
     pub(super) share: Option<RequiredShare>,
+    /// Known mistakes that must be found.
+    pub(super) detections: Vec<Requirement>,
+    /// Their names and families as written, with their places in words.
+    pub(super) mistakes: Vec<(String, String)>,
 }
 
 /// A limit that differs from that of the rule's page.
@@ -149,11 +153,17 @@ impl Reader<'_> {
         for item in self.list_of(
             root,
             "require",
-            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`",
+            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`, `- {detects: imu-wxyz}`",
         )? {
             if let Some(share) = item.get("share") {
                 self.keys(item, &["share"])?;
                 asked.share = Some(self.share(share)?);
+            } else if let Some(names) = item.get("detects") {
+                self.keys(item, &["detects", "subject", "if", "lifted"])?;
+                for (mistake, origin) in self.mistakes(names)? {
+                    asked.detections.push(self.required(item, mistake.clone())?);
+                    asked.mistakes.push((mistake, origin));
+                }
             } else {
                 let requirement = self.requirement(item, &mut asked.named)?;
                 asked.required.push(requirement);
@@ -338,6 +348,22 @@ impl Reader<'_> {
         }
         self.keys(item, &["rule", "subject", "if", "lifted"])?;
         let rule = self.rule_of(item, named)?;
+        self.required(item, rule)
+    }
+
+    /// One name of a known mistake or of a family of them, or a list, each with its place.
+    fn mistakes(&self, node: &Node) -> Result<Vec<(String, String)>, ConfigError> {
+        let items = node.items().map_or_else(|| vec![node], |items| items.iter().collect());
+        let word = |item: &Node| {
+            let text = item.text().map(str::trim).filter(|text| !text.is_empty());
+            let text = text.ok_or_else(|| self.error(item.span.start, "expected the name of a known mistake"))?;
+            Ok((text.to_owned(), self.origin(item, true)))
+        };
+        items.into_iter().map(word).collect()
+    }
+
+    /// What an entry requires of a rule or of a known mistake.
+    fn required(&self, item: &Node, rule: String) -> Result<Requirement, ConfigError> {
         let force = match (
             item.get("lifted"),
             self.word(item, "if", &[("applicable", Force::IfApplicable)])?,
@@ -357,7 +383,7 @@ impl Reader<'_> {
             rule,
             subject: self.glob(item, "subject")?,
             force,
-            origin,
+            origin: self.origin(item, false),
         })
     }
 }

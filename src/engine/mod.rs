@@ -1,5 +1,6 @@
 //! The engine: plan, read, judge. Connects the other modules; knows no format and no rule by name.
 
+mod assured;
 mod enabled;
 pub mod evidence;
 mod gather;
@@ -23,6 +24,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::assure::{Assurance, RuleRunner};
 use crate::collect::CollectOptions;
 use crate::config::Config;
 use crate::progress::Progress;
@@ -65,23 +67,6 @@ pub fn check_each(options: &Options, listener: &mut dyn FnMut(&Run, &RunUpdate))
     let inputs = inputs(options)?;
     let setup = Setup::new(options, &inputs)?;
     check_with(&setup, inputs, listener)
-}
-
-/// Like [`check`], and returns every judged world with the rules that judged it.
-pub fn check_worlds(options: &Options) -> Result<(Run, Vec<(World, Rules)>), UsageError> {
-    let options = Options {
-        sights: Retention::Everything,
-        ..options.clone()
-    };
-    let inputs = inputs(&options)?;
-    let setup = Setup::new(&options, &inputs)?;
-    let mut run = check_with(&setup, inputs, &mut |_, _| {})?;
-    let worlds = std::mem::take(&mut run.seen).into_iter().map(|world| {
-        let choice = &setup.governed.at(setup.governed.of(&world)).choice;
-        let rules = Rules(choice.without_plots());
-        (world, rules)
-    });
-    Ok((run, worlds.collect()))
 }
 
 fn check_with(setup: &Setup, inputs: Inputs, listener: &mut dyn FnMut(&Run, &RunUpdate)) -> Result<Run, UsageError> {
@@ -161,12 +146,23 @@ impl Setup<'_> {
         }
     }
 
+    /// Tries mistakes on judged worlds, if that is wanted or required; each assurance has the index of its configuration.
+    fn assure(&self, worlds: &[World]) -> Vec<(usize, Assurance)> {
+        let each = worlds.iter().map(|world| (self.governed.of(world), world));
+        each.filter_map(|(governed, world)| {
+            let assurance = assured::assure(world, self.governed.at(governed), self.options)?;
+            Some((governed, assurance))
+        })
+        .collect()
+    }
+
     /// One verdict for each world, with the index of its configuration; if there are several, subjects begin with the world's name.
     fn judge(&self, worlds: &mut [World], several: bool) -> Vec<(usize, Verdict)> {
         parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
             let judged = self.judge_as(self.governed.of(world), world, several);
             // More may be read of a recording, and it is compared with others.
-            if self.options.sights == Retention::None && world.bags.is_empty() {
+            let is_done = self.options.sights == Retention::None && world.bags.is_empty();
+            if is_done && !self.governed.at(self.governed.of(world)).assures(self.options) {
                 world.empty();
             } else {
                 world.forget();
@@ -192,12 +188,13 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let seen = setup.seen(&worlds);
+    let mut assured = setup.assure(&worlds);
     let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
     plan.note(&mut run.sources);
     run.seen = seen;
     run.worlds = worlds;
     for saved in saved {
-        verdicts.extend(add_saved(setup, saved, several, &mut run, &mut labels));
+        verdicts.extend(add_saved(setup, saved, several, (&mut run, &mut labels, &mut assured)));
     }
     if several {
         run.platforms = labels;
@@ -206,9 +203,13 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<
     let (verdict, applied) = policy.apply(
         verdicts,
         (&run.sources, &run.platforms),
-        Some(&RequirementContext::default()),
+        Some(&RequirementContext {
+            assured: &assured,
+            ..RequirementContext::default()
+        }),
     );
     run.verdict = verdict;
+    run.assure(assured.into_iter().map(|(_, assurance)| assurance));
     policy.close(applied, &mut run);
     if run.kept.drops_inapplicable() {
         run.verdict.drop_rows(|row| !row.applies());
@@ -221,8 +222,7 @@ fn add_saved(
     setup: &Setup,
     saved: SavedEvidence,
     several: bool,
-    run: &mut Run,
-    labels: &mut Vec<String>,
+    (run, labels, assured): (&mut Run, &mut Vec<String>, &mut Vec<(usize, Assurance)>),
 ) -> Vec<(usize, Verdict)> {
     let SavedEvidence {
         worlds,
@@ -235,6 +235,7 @@ fn add_saved(
         .map(|world| setup.judge_as(governed, world, several))
         .collect();
     run.seen.extend(setup.seen(&worlds));
+    assured.extend(setup.assure(&worlds));
     labels.extend(worlds.into_iter().map(|world| world.label));
     let mut sources = Arc::unwrap_or_clone(sources);
     let renumber = IdShift::behind(0, run.sources.len());
@@ -273,18 +274,7 @@ impl Rules {
 
     /// Judges a world. Nothing is read.
     pub fn judge(&self, world: &World) -> Verdict {
-        self.judge_some(world, |_| true)
-    }
-
-    /// Judges a world with those of the rules whose code is wanted.
-    pub fn judge_some(&self, world: &World, is_wanted: impl Fn(&str) -> bool) -> Verdict {
-        let rules: Vec<_> = self
-            .0
-            .rules
-            .iter()
-            .filter(|rule| is_wanted(rule.entry.page.code))
-            .collect();
-        let mut verdict = judge::judge(world, rules, &self.0.settings, None, &Timings::default());
+        let mut verdict = self.0.judge(world, &|_| true);
         verdict.sort();
         verdict
     }

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::config::ConfigError;
+use crate::faults::Fault;
 use crate::files::Outputs;
 use crate::read::discover::FileSelection;
 use crate::read::xacro::ExpandOptions;
@@ -51,6 +52,8 @@ pub struct Options {
     pub today: Option<Day>,
     /// How much of recordings is read.
     pub extent: Extent,
+    /// Mistakes to try on everything that is judged; `None`: only those that the configuration requires to be found.
+    pub assure: Option<Vec<&'static Fault>>,
     /// The files that will be written.
     pub outputs: Outputs,
     /// Folders with message definitions, for recordings that contain none.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use crate::assure::Assurance;
 use crate::config::Config;
 use crate::files;
 use crate::page::Page;
@@ -52,6 +53,8 @@ pub(super) struct RequirementContext<'a> {
     pub(super) beside: &'a [Row],
     /// Label of the recording, if each has its own verdict.
     pub(super) recording: Option<&'a str>,
+    /// Trials of known mistakes, by the indices of the configurations.
+    pub(super) assured: &'a [(usize, Assurance)],
 }
 
 impl<'a> RunPolicy<'a> {
@@ -128,8 +131,11 @@ impl<'a> RunPolicy<'a> {
             });
             if let Some(demanded) = demanded {
                 let rows = (verdict.rows.as_slice(), demanded.beside);
+                let assured = demanded.assured.iter().filter(|(governed, _)| *governed == at);
+                let assured: Vec<&Assurance> = assured.map(|(_, assurance)| assurance).collect();
                 self.with(&[], platforms, &governing.asked, |context| {
-                    applied.demand(rows, &governing.policy, demanded.recording, context);
+                    let evidence = (rows, assured.as_slice());
+                    applied.demand(evidence, &governing.policy, demanded.recording, context);
                 });
             }
             all.join(applied);
@@ -152,7 +158,7 @@ impl<'a> RunPolicy<'a> {
         judge::judge_policy(&passed.applied, &passed.misspelt, &self.enabled, &mut run.verdict);
         run.unmet = passed.unmet;
         let has_recording = run.sources.iter().any(|source| source.kind.is_bag());
-        for unmet in &mut run.unmet {
+        for unmet in run.unmet.iter_mut().filter(|unmet| unmet.record.is_none()) {
             let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);
             let kinds = rule.map_or(&[][..], |rule| rule.evidence).iter().copied();
             // A recording that is there is not asked for.

@@ -78,6 +78,12 @@ pub struct Fault {
     pub record: &'static str,
 }
 
+impl std::fmt::Debug for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
 /// How a mistake changes a world.
 pub trait Change: Sync {
     /// What in this world can have the mistake.
@@ -113,6 +119,14 @@ impl Fault {
             let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
             row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
         })
+    }
+}
+
+impl Fault {
+    /// Whether a word is its name or its family.
+    pub fn is_called(&self, word: &str) -> bool {
+        let names = [self.name, self.family.word()];
+        names.iter().any(|name| name.eq_ignore_ascii_case(word))
     }
 }
 

@@ -5,6 +5,7 @@
 
 pub mod baseline;
 mod comments;
+mod detect;
 mod require;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,6 +13,7 @@ use std::sync::Arc;
 
 use globset::GlobMatcher;
 
+use crate::assure::Assurance;
 use crate::page::{Page, names_rule};
 use crate::run::UnmetRequirement;
 use crate::source::{Place, Source, SourceId, Span};
@@ -79,10 +81,10 @@ pub enum Scope {
     Known(Box<AcceptedFinding>),
 }
 
-/// A rule that must be evaluated, or is no longer required.
+/// A rule that must be evaluated, or a known mistake that must be found; or that is no longer required.
 #[derive(Clone, Debug)]
 pub struct Requirement {
-    /// Code, name or family; of a family, every rule.
+    /// Code, name or family; of a family, every rule. Of a mistake its name, or its family: every mistake of it.
     pub rule: String,
     /// Subjects, without the name of the platform; any where `None`.
     pub subject: Option<GlobMatcher>,
@@ -121,6 +123,8 @@ pub struct Policy {
     pub exceptions: Vec<Exception>,
     /// What must be evaluated; later ones lift earlier ones.
     pub required: Vec<Requirement>,
+    /// Mistakes that must be found; later ones lift earlier ones.
+    pub detections: Vec<Requirement>,
     /// How much must be evaluated.
     pub share: Option<RequiredShare>,
 }
@@ -191,16 +195,17 @@ impl AppliedPolicy {
         !self.applied.is_empty()
     }
 
-    /// Adds what is required and was not evaluated in these outcomes or in those of `beside`. If they are of one of several recordings,
-    /// `recording` is its label.
+    /// Adds what is required and was not evaluated in these outcomes or in those of `beside`, and the mistakes that had to be found in these
+    /// trials and were not. If they are of one of several recordings, `recording` is its label.
     pub fn demand(
         &mut self,
-        (rows, beside): (&[Row], &[Row]),
+        ((rows, beside), assured): ((&[Row], &[Row]), &[&Assurance]),
         policy: &Policy,
         recording: Option<&str>,
         context: &Context,
     ) {
         let mut unmet = require::unmet((rows, beside), &policy.required, &mut self.applied, context);
+        unmet.extend(detect::undetected(assured, &policy.detections));
         unmet.extend(policy.share.as_ref().and_then(|share| require::too_few(rows, share)));
         for one in &mut unmet {
             one.recordings.extend(recording.map(str::to_owned));

@@ -1,7 +1,7 @@
 //! What must be evaluated, and was not: with the reason, and what is missing.
 
 use crate::page::{Page, names_rule};
-use crate::run::{SHARE, UnmetRequirement};
+use crate::run::{RequirementKind, UnmetRequirement};
 use crate::verdict::waiver::{Acceptance, FAMILY, WaiverEffect, plain_subject};
 use crate::verdict::{Row, judged_of_applicable};
 
@@ -68,7 +68,8 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<UnmetReq
         return None;
     }
     Some(UnmetRequirement {
-        rule: SHARE.to_owned(),
+        kind: RequirementKind::Share,
+        rule: "share".to_owned(),
         name: "of the checks that apply".to_owned(),
         subject: None,
         why: vec![format!(
@@ -149,6 +150,7 @@ fn missing(
         why.push(format!("and {more} more reasons"));
     }
     Some(UnmetRequirement {
+        kind: RequirementKind::Rule,
         rule: rule.code.to_owned(),
         name: rule.name.to_owned(),
         subject: requirement.subject.as_ref().map(|glob| glob.glob().glob().to_owned()),

@@ -19,6 +19,7 @@ use crate::verdict::{Acceptance, Explainer, Finding, Fix, Label, Measured, Place
 
 use crate::visible::{text, write_json};
 
+use super::assure::AssuranceRows;
 use super::place::{Locator, Spot};
 
 /// Name of the document's schema.
@@ -33,6 +34,7 @@ struct Document<'a> {
     findings: Rows<'a, Finding, FindingRow<'a>>,
     explained: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
+    assurance: Option<AssuranceRows<'a>>,
     recordings: Vec<RecordingRow<'a>>,
     summary: Counts,
 }
@@ -272,6 +274,7 @@ pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde
             row: finding_row,
         },
         required: run.unmet.iter().map(unmet).collect(),
+        assurance: run.assurance.as_ref().map(AssuranceRows::of),
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
     };

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::run::{FailOn, Run, RunUpdate};
 use crate::visible::json_line;
 
+use super::assure::AssuranceRows;
 use super::json;
 use super::place::Locator;
 
@@ -67,6 +68,9 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     let mut out = String::new();
     for unmet in &run.unmet {
         line("required", json::unmet(unmet), &mut out)?;
+    }
+    if let Some(assurance) = &run.assurance {
+        line("assurance", AssuranceRows::of(assurance), &mut out)?;
     }
     line("summary", json::counts(&run.summary(fail_on)), &mut out)?;
     Ok(out)

@@ -8,7 +8,7 @@ use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Map, Value, json};
 
 use crate::page::{self, Page};
-use crate::run::{FailOn, Run, VerdictWord};
+use crate::run::{FailOn, RequirementKind, Run, VerdictWord};
 use crate::source::{Confidence, Place, SourceKind};
 use crate::verdict::{Finding, Fix, Measured, Outcome, PlaceRole, Safety, Severity};
 use crate::visible::pretty_json;
@@ -188,7 +188,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
             "level": if unmet.waived.is_some() { "note" } else { "error" },
             "message": message(&text),
         });
-        if let (Some(keys), false) = (notification.as_object_mut(), unmet.is_share()) {
+        if let (Some(keys), false) = (notification.as_object_mut(), unmet.kind != RequirementKind::Rule) {
             keys.insert("associatedRule".to_owned(), about(&unmet.rule));
         }
         notifications.push(notification);

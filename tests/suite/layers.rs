@@ -37,11 +37,8 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ),
         // The catalogue of mistakes names relations and the rules that should see them.
         ("faults", &["source", "world", "verdict", "math"]),
-        (
-            "assure",
-            &["source", "world", "verdict", "engine", "faults", "progress"],
-        ),
-        ("run", &["source", "world", "verdict", "page"]),
+        ("assure", &["source", "world", "verdict", "faults", "progress"]),
+        ("run", &["source", "world", "verdict", "page", "assure"]),
         (
             "report",
             &[
@@ -56,13 +53,16 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             &["source", "world", "read", "tables", "verdict", "run", "policy"],
         ),
         ("fix", &["source", "verdict", "run", "files"]),
-        ("policy", &["source", "world", "verdict", "page", "run"]),
+        (
+            "policy",
+            &["source", "world", "verdict", "page", "run", "assure", "faults"],
+        ),
         ("view", &["source", "world", "verdict", "run", "math", "tables"]),
         (
             "engine",
             &[
                 "source", "world", "verdict", "page", "rules", "analysis", "read", "collect", "config", "run",
-                "progress", "policy", "tables", "files", "visible",
+                "progress", "policy", "tables", "files", "visible", "assure", "faults",
             ],
         ),
         ("convert", &["run", "world", "source", "tables", "math"]),
@@ -70,7 +70,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "cli",
             &[
                 "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
-                "view", "files", "visible", "assure", "faults", "progress",
+                "view", "files", "visible", "faults",
             ],
         ),
     ])

@@ -11,6 +11,7 @@ mod whole;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::assure::Assurance;
 use crate::policy::AppliedPolicy;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
@@ -156,6 +157,8 @@ struct Drive {
     applied: AppliedPolicy,
     /// The sources judged with it.
     covered: Vec<SourceId>,
+    /// What became of known mistakes, by the indices of the configurations.
+    assured: Vec<(usize, Assurance)>,
     /// Data to compare with other recordings.
     left: Vec<(usize, Facts)>,
 }
@@ -229,9 +232,11 @@ impl JudgeContext<'_> {
             .first()
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
+        let assured = self.setup.assure(&worlds);
         let demanded = RequirementContext {
             beside: &self.beside(others),
             recording: Some(&label),
+            assured: &assured,
         };
         let (mut verdict, applied) = self.policy.apply(verdicts, (&sources, &platforms), Some(&demanded));
         verdict.sort();
@@ -251,6 +256,7 @@ impl JudgeContext<'_> {
             verdict,
             applied,
             covered,
+            assured,
             left: Vec::new(),
         }
     }
@@ -321,6 +327,8 @@ impl JudgeContext<'_> {
         self.furnish(&mut worlds, &sources);
         let verdicts = self.setup.judge(&mut worlds, true);
         whole.run.seen.extend(self.setup.seen(&worlds));
+        let assured = self.setup.assure(&worlds).into_iter();
+        whole.run.assure(assured.map(|(_, assurance)| assurance));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         whole.apply_policy(verdicts, &labels, self.policy);
     }

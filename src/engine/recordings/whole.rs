@@ -96,6 +96,8 @@ impl<'a> RunBuilder<'a> {
             self.run.worlds = drive.worlds;
         }
         self.run.seen.extend(drive.seen);
+        self.run
+            .assure(drive.assured.into_iter().map(|(_, assurance)| assurance));
         let verdict = self.of_files.once(drive.verdict, &platforms, &self.run.sources);
         self.run.platforms.extend(platforms);
         self.take(verdict, drive.applied, new, Some(drive.recording));

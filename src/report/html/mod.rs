@@ -5,6 +5,7 @@
 //! content security policy allows nothing else. It is complete without the script, and contains no time: the same run on the same date
 //! gives the same bytes.
 
+mod assurance;
 mod checklist;
 mod findings;
 mod hashes;
@@ -92,6 +93,11 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let parts = [
         ("decision", "Decision", Some(summary::decision(&page))),
         ("required", "Requirements not met", summary::required(&page)),
+        (
+            "assurance",
+            "Known mistakes",
+            run.assurance.as_ref().map(assurance::render),
+        ),
         ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
         ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),

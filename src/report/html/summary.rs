@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use crate::run::{Recording, UnmetRequirement, VerdictWord};
+use crate::run::{Recording, RequirementKind, UnmetRequirement, VerdictWord};
 use crate::source::{Coverage, Source, SourceKind};
 use crate::verdict::{Acceptance, Severity};
 
@@ -271,7 +271,7 @@ fn row(unmet: &UnmetRequirement) -> Markup {
     html! {
         tr {
             th scope="row" {
-                @if unmet.is_share() { (unmet.rule) } @else { a href={ "#rule-" (unmet.rule) } { (unmet.rule) } }
+                @if unmet.kind != RequirementKind::Rule { (unmet.rule) } @else { a href={ "#rule-" (unmet.rule) } { (unmet.rule) } }
                 " " (unmet.name)
                 @if let Some(subject) = &unmet.subject { " of " code { (plain(subject)) } }
                 p class="small" { "required in " (plain(&unmet.origin)) }

@@ -15,10 +15,12 @@ mod tests;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::assure::TrialOutcome;
 use crate::run::{FailOn, Run};
 use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
+use super::assure;
 use super::place::Locator;
 use super::style::Ink;
 use super::text::{one_line, plural, wrap};
@@ -49,6 +51,9 @@ pub struct Options {
     /// Which parts of the report.
     pub parts: Parts,
 }
+
+/// Groups of missed mistakes that are shown.
+const MAX_MISSED: usize = 10;
 
 /// The parts of the report that are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,10 +94,23 @@ pub fn render(run: &Run, options: &Options) -> String {
     inputs::judged_apart(run, options.style, &mut out);
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
+    assured(run, options, &mut out);
     recordings::table(run, options.style, &mut out);
     explain(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
     out
+}
+
+/// Known mistakes that the data would not have shown.
+fn assured(run: &Run, options: &Options, out: &mut String) {
+    let Some(assurance) = &run.assurance else { return };
+    let title = "Known mistakes that these data would not have shown";
+    let most = if options.all { usize::MAX } else { MAX_MISSED };
+    assure::section(assurance, TrialOutcome::Missed, (title, most), options.style, out);
+    for line in wrap(&assure::totals(assurance), options.style.width, "", "  ").lines() {
+        let _ = writeln!(out, "{line}");
+    }
+    out.push('\n');
 }
 
 /// Points to the page of the first finding's rule.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::run::{Run, UnmetRequirement};
+use crate::run::{RequirementKind, Run, UnmetRequirement};
 use crate::verdict::Acceptance;
 
 use super::super::Style;
@@ -60,9 +60,15 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
                 );
             }
         }
-        if let Some(rule) = run.lacking().find(|unmet| !unmet.is_share()).map(|unmet| &unmet.rule) {
+        let key = |unmet: &UnmetRequirement| match unmet.kind {
+            RequirementKind::Rule => Some("rule"),
+            RequirementKind::Detection => Some("detects"),
+            RequirementKind::Share => None,
+        };
+        if let Some((key, unmet)) = run.lacking().find_map(|unmet| Some((key(unmet)?, unmet))) {
             let words = format!(
-                "To lift a requirement, add to frames-lint.yaml: `require: [{{rule: {rule}, lifted: REASON}}]`"
+                "To lift a requirement, add to frames-lint.yaml: `require: [{{{key}: {}, lifted: REASON}}]`",
+                unmet.rule
             );
             let _ = writeln!(out, "{}", wrap(&words, style.width, "  ", "  "));
         }

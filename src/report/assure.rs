@@ -21,19 +21,21 @@ pub const SCHEMA: &str = "frames-lint-assure/1";
 const MAX_GROUPS: usize = 60;
 
 /// Mistakes with the same outcome for the same reason, and the subjects that they were tried on.
-struct Group<'a> {
-    first: &'a Trial,
-    faults: Vec<&'static str>,
-    subjects: Vec<String>,
+pub(super) struct Group<'a> {
+    pub(super) first: &'a Trial,
+    pub(super) faults: Vec<&'static str>,
+    pub(super) subjects: Vec<String>,
 }
 
 impl<'a> Group<'a> {
     /// The trials with this outcome, in the order of the first of each group.
-    fn of(assurance: &'a Assurance, outcome: TrialOutcome) -> Vec<Self> {
+    pub(super) fn of(assurance: &'a Assurance, outcome: TrialOutcome) -> Vec<Self> {
         let mut by_subject: Vec<Self> = Vec::new();
         let mut numbers = BTreeMap::new();
+        let first = assurance.trials.first().map(|trial| &trial.platform);
+        let are_several = assurance.trials.iter().any(|trial| Some(&trial.platform) != first);
         for trial in assurance.trials.iter().filter(|trial| trial.outcome == outcome) {
-            let name = subject(trial);
+            let name = subject(trial, are_several);
             let number = *numbers.entry((name.clone(), why(trial))).or_insert_with(|| {
                 by_subject.push(Self {
                     first: trial,
@@ -75,12 +77,12 @@ fn why(trial: &Trial) -> (Option<&str>, &[String], &str) {
     (trial.reason.as_deref(), &trial.rules, trial.fault.record)
 }
 
-/// A subject, with its platform where there are several.
-fn subject(trial: &Trial) -> String {
-    if trial.platform.is_empty() {
-        trial.subject.clone()
-    } else {
+/// A subject, with its platform if there are several.
+fn subject(trial: &Trial, are_several: bool) -> String {
+    if are_several {
         format!("{}: {}", trial.platform, trial.subject)
+    } else {
+        trial.subject.clone()
     }
 }
 
@@ -104,34 +106,11 @@ const SECTIONS: [(TrialOutcome, &str); 4] = [
 /// For people. `all`: with the mistakes that would have been named.
 pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
     let mut out = String::new();
+    let most = if all { usize::MAX } else { MAX_GROUPS };
     for (outcome, title) in SECTIONS {
-        let groups = Group::of(assurance, outcome);
-        if groups.is_empty() || outcome == TrialOutcome::Named && !all {
-            continue;
+        if outcome != TrialOutcome::Named || all {
+            section(assurance, outcome, (title, most), style, &mut out);
         }
-        let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
-        let most = if all { groups.len() } else { MAX_GROUPS };
-        for group in groups.iter().take(most) {
-            let _ = writeln!(out, "{}", wrap(&one_line(&group.subjects()), style.width, "  ", "    "));
-            let mut line = |text: &str| {
-                let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
-            };
-            line(&group.faults());
-            if let Some(reason) = &group.first.reason {
-                line(&format!("why: {reason}"));
-                line(&format!("record or add: {}", group.first.fault.record));
-            } else {
-                line(&format!("by {}", list(&group.first.rules)));
-            }
-        }
-        if groups.len() > most {
-            let _ = writeln!(
-                out,
-                "  ... and {} (--all shows them)",
-                plural(groups.len() - most, "more group")
-            );
-        }
-        out.push('\n');
     }
     let ink = if assurance.count(TrialOutcome::Missed) > 0 || assurance.trials.is_empty() {
         Ink::Warning
@@ -142,8 +121,41 @@ pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
     out
 }
 
+/// The groups with one outcome, at most a number of them, under a title.
+pub(super) fn section(
+    assurance: &Assurance,
+    outcome: TrialOutcome,
+    (title, most): (&str, usize),
+    style: Style,
+    out: &mut String,
+) {
+    let groups = Group::of(assurance, outcome);
+    if groups.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
+    for group in groups.iter().take(most) {
+        let _ = writeln!(out, "{}", wrap(&one_line(&group.subjects()), style.width, "  ", "    "));
+        let mut line = |text: &str| {
+            let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
+        };
+        line(&group.faults());
+        if let Some(reason) = &group.first.reason {
+            line(&format!("why: {reason}"));
+            line(&format!("record or add: {}", group.first.fault.record));
+        } else {
+            line(&format!("by {}", list(&group.first.rules)));
+        }
+    }
+    if groups.len() > most {
+        let more = plural(groups.len() - most, "more group");
+        let _ = writeln!(out, "  ... and {more} (--all shows them)");
+    }
+    out.push('\n');
+}
+
 /// The totals in one sentence.
-fn totals(assurance: &Assurance) -> String {
+pub(super) fn totals(assurance: &Assurance) -> String {
     let inapplicable = assurance.inapplicable.len();
     if assurance.trials.is_empty() {
         return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
@@ -165,9 +177,34 @@ fn totals(assurance: &Assurance) -> String {
 struct Document<'a> {
     #[serde(flatten)]
     made: Producer,
+    #[serde(flatten)]
+    rows: AssuranceRows<'a>,
+}
+
+/// What became of known mistakes.
+#[derive(Serialize)]
+pub(super) struct AssuranceRows<'a> {
     faults: Vec<TrialRow<'a>>,
     inapplicable: Vec<&'a str>,
     summary: Counts,
+}
+
+impl<'a> AssuranceRows<'a> {
+    pub(super) fn of(assurance: &'a Assurance) -> Self {
+        let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+        Self {
+            faults: assurance.trials.iter().map(TrialRow::of).collect(),
+            inapplicable: assurance.inapplicable.iter().map(|fault| fault.name).collect(),
+            summary: Counts {
+                tried: assurance.trials.len(),
+                named,
+                noticed,
+                missed,
+                present,
+                inapplicable: assurance.inapplicable.len(),
+            },
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -175,7 +212,7 @@ struct TrialRow<'a> {
     fault: &'a str,
     family: &'static str,
     sentence: &'a str,
-    platform: Option<&'a str>,
+    platform: &'a str,
     subject: &'a str,
     outcome: &'static str,
     rules: &'a [String],
@@ -190,7 +227,7 @@ impl<'a> TrialRow<'a> {
             fault: trial.fault.name,
             family: trial.fault.family.word(),
             sentence: trial.fault.sentence,
-            platform: Some(trial.platform.as_str()).filter(|platform| !platform.is_empty()),
+            platform: &trial.platform,
             subject: &trial.subject,
             outcome: trial.outcome.word(),
             rules: &trial.rules,
@@ -213,19 +250,9 @@ struct Counts {
 
 /// One document, described by `schema/frames-lint-assure-1.json`.
 pub fn json(assurance: &Assurance) -> Result<String, serde_json::Error> {
-    let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
     pretty_json(&Document {
         made: Producer::new(SCHEMA),
-        faults: assurance.trials.iter().map(TrialRow::of).collect(),
-        inapplicable: assurance.inapplicable.iter().map(|fault| fault.name).collect(),
-        summary: Counts {
-            tried: assurance.trials.len(),
-            named,
-            noticed,
-            missed,
-            present,
-            inapplicable: assurance.inapplicable.len(),
-        },
+        rows: AssuranceRows::of(assurance),
     })
 }
 

@@ -1,0 +1,76 @@
+//! Tries known mistakes on a judged world: those that the user wants to see, and those that the configuration requires to be found.
+
+use crate::assure::{Assurance, RuleRunner, assure as try_all};
+use crate::config::Config;
+use crate::faults::{Fault, catalogue};
+use crate::progress::Progress;
+use crate::verdict::Verdict;
+use crate::world::World;
+
+use super::governed::Governance;
+use super::plan::Choice;
+use super::timings::{Phase, Timings};
+use super::{Options, UsageError, judge};
+
+impl RuleRunner for Choice {
+    fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict {
+        let rules = self.rules.iter().filter(|rule| is_wanted(rule.entry.page.code));
+        judge::judge(
+            world,
+            rules.collect::<Vec<_>>(),
+            &self.settings,
+            None,
+            &Timings::default(),
+        )
+    }
+}
+
+impl Governance {
+    /// Whether mistakes are tried on the platforms that it governs.
+    pub(super) fn assures(&self, options: &Options) -> bool {
+        options.assure.is_some()
+            || self
+                .config
+                .as_ref()
+                .is_some_and(|config| config.detections().next().is_some())
+    }
+}
+
+/// Tries the mistakes that are wanted and those that the configuration requires; none if there are none.
+pub(super) fn assure(world: &World, governed: &Governance, options: &Options) -> Option<Assurance> {
+    if !governed.assures(options) {
+        return None;
+    }
+    let required: Vec<&str> = governed
+        .config
+        .iter()
+        .flat_map(Config::detections)
+        .map(|(word, _)| word.as_str())
+        .collect();
+    let wanted = options.assure.as_deref().unwrap_or_default();
+    let is_tried = |fault: &&'static Fault| {
+        wanted.iter().any(|other| other.name == fault.name) || required.iter().any(|word| fault.is_called(word))
+    };
+    let faults: Vec<&'static Fault> = catalogue().filter(is_tried).collect();
+    let progress = Progress::of_trials(options.progress);
+    let rules = governed.choice.without_plots();
+    let assurance = options.timings.of(Phase::Judge, "known mistakes", || {
+        try_all(world, &rules, &faults, &progress)
+    });
+    Some(assurance)
+}
+
+/// Checks that the mistakes that a configuration names exist.
+pub(super) fn known(config: &Config) -> Result<(), UsageError> {
+    for (word, origin) in config.detections() {
+        if !catalogue().any(|fault| fault.is_called(word)) {
+            let names = catalogue().map(|fault| fault.name);
+            let likeness = |name: &&str| std::cmp::Reverse(strsim::damerau_levenshtein(name, word));
+            let meant = names.max_by_key(likeness).unwrap_or_default();
+            return Err(UsageError(format!(
+                "{origin}: no known mistake is called `{word}`; did you mean `{meant}`? `frames-lint assure --list` lists all"
+            )));
+        }
+    }
+    Ok(())
+}
