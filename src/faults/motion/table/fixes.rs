@@ -57,7 +57,7 @@ pub(super) static FAULTS: &[Fault] = &[
         FixChange::Message(|fix| {
             (fix.latitude, fix.longitude) = ((fix.latitude * 1e7).round(), (fix.longitude * 1e7).round());
         }),
-        ["e7"],
+        ["degrees-e7"],
         ["1e-7", "1e7"],
         ["GEO01"],
         "satellite fixes"
