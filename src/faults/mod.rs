@@ -5,7 +5,7 @@
 
 mod cameras;
 mod clouds;
-mod motion;
+pub mod motion;
 mod mountings;
 mod restate;
 mod statements;

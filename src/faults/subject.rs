@@ -1,5 +1,6 @@
 //! What a mistake is put into.
 
+use super::motion::Stream;
 use crate::world::FrameId;
 
 /// Something of a world that can have a mistake.
@@ -32,6 +33,10 @@ pub enum SubjectPlace {
         /// The name of the topic.
         topic: String,
     },
+    /// What one driver publishes: a topic, or what states one motion on a topic and on TF.
+    Stream(Stream),
+    /// The origin on the Earth with this number.
+    Origin(usize),
     /// A frame of the platform.
     Frame(FrameId),
 }

@@ -1,13 +1,13 @@
 //! Cameras: optical frames of real transforms, and what a camera there would say, staged rightly and then wrong.
 
+use frames_lint::faults::Family;
 use frames_lint::world::bag::TopicEvidence;
 use frames_lint::world::camera::{Calibration, CalibrationEvidence, CameraModel, ImageEvidence, ImageForm};
 use frames_lint::world::{FrameId, World};
 use nalgebra::{Isometry3, Translation3};
 
-use crate::errors::edges;
 use crate::stages::{Stage, message, put_topic};
-use crate::streams::{Kind, Stream};
+use crate::streams::Stream;
 use crate::support::drive::errors::{rotation, slots};
 
 /// Width and height, pixels, and the focal length.
@@ -16,7 +16,7 @@ const FOCAL_PX: f64 = 900.0;
 
 /// A camera with its images.
 pub static CAMERA: Stage = Stage {
-    kind: Kind::Camera,
+    family: Family::Camera,
     words: &["`/camera/camera_info`", "`/camera/image_raw`"],
     put: |world, stream| {
         let frame = optical(stream);
@@ -27,7 +27,7 @@ pub static CAMERA: Stage = Stage {
 
 /// A pair of cameras, of which the left is this one.
 pub static STEREO: Stage = Stage {
-    kind: Kind::Camera,
+    family: Family::Camera,
     words: &["`/stereo/right/camera_info`"],
     put: |world, stream| put_pair(world, stream, false),
 };
@@ -47,7 +47,7 @@ pub fn shrink(world: &mut World, stream: &Stream) {
 
 /// Turns an optical frame otherwise: `parent_from_optical` of the one that is told.
 pub fn turn(world: &mut World, stream: &Stream, change: fn(Isometry3<f64>) -> Isometry3<f64>) {
-    for edge in edges(world, stream) {
+    for edge in stream.edges_mut(world) {
         let extreme = edge.extreme.iter_mut().map(|(at, ..)| at);
         for at in edge.samples.iter_mut().chain(extreme) {
             let told = Isometry3::from_parts(Translation3::identity(), rotation(at.pose.rotation_xyzw));

@@ -70,11 +70,11 @@ impl<'w> Judged<'w> {
     }
 
     /// What becomes of an error; `None` where the stream cannot have it.
-    pub fn with(&self, error: &Error) -> Option<Cell> {
+    pub fn with(&self, error: Error) -> Option<Cell> {
         let mut world = self.world.clone();
         let mut staged = None;
         if let Some(stage) = error.stage() {
-            if stage.kind != self.stream.kind || !(stage.put)(&mut world, self.stream) {
+            if stage.family != self.stream.family || !(stage.put)(&mut world, self.stream) {
                 return None;
             }
             world.absorb(Facts::default());
@@ -87,6 +87,7 @@ impl<'w> Judged<'w> {
             }
             staged = Some(before);
         }
+        let same = error.same_as(&world, self.stream);
         if !error.inject(&mut world, self.stream) {
             return None;
         }
@@ -101,11 +102,11 @@ impl<'w> Judged<'w> {
         let findings = new(staged.as_ref().unwrap_or(&self.before), &after);
         if let Some(wrong) = findings
             .iter()
-            .find(|finding| !error.is_named_by(finding) && !error.is_shown_by(finding))
+            .find(|finding| !error.is_named_by(finding, &same) && !error.is_shown_by(finding))
         {
             return Some(Cell::Wrong(said(wrong)));
         }
-        if let Some(named) = findings.iter().find(|finding| error.is_named_by(finding)) {
+        if let Some(named) = findings.iter().find(|finding| error.is_named_by(finding, &same)) {
             let is_one = !named.text().contains("cannot distinguish");
             return Some(if is_one { Cell::Named } else { Cell::Among(said(named)) });
         }
@@ -116,17 +117,10 @@ impl<'w> Judged<'w> {
     }
 
     /// What the rules that should see an error say of the stream, in a world without recordings that would be taken for it.
-    fn unnoticed(&self, world: &mut World, error: &Error) -> Cell {
+    fn unnoticed(&self, world: &mut World, error: Error) -> Cell {
         let source = world.bags[self.stream.bag].source;
-        let topics: Vec<&String> = self
-            .stream
-            .at
-            .iter()
-            .map(|at| match at {
-                StreamPlace::Topic(topic, _) | StreamPlace::Edge(_, _, topic) => topic,
-            })
-            .collect();
-        let is_other = |topic: &&String, bag: &frames_lint::world::BagEvidence| bag.topics.contains_key(topic.as_str());
+        let topics: Vec<&str> = self.stream.places.iter().map(StreamPlace::topic).collect();
+        let is_other = |topic: &&str, bag: &frames_lint::world::BagEvidence| bag.topics.contains_key(*topic);
         world
             .bags
             .retain(|bag| bag.source == source || !topics.iter().any(|topic| is_other(topic, bag)));
@@ -155,7 +149,7 @@ impl<'w> Judged<'w> {
             .collect();
         reasons.dedup();
         if reasons.is_empty() {
-            return Cell::Missed(format!("no row of {}", error.seen_by.join(", ")));
+            return Cell::Missed(format!("no row of {}", error.seen_by().join(", ")));
         }
         Cell::NotEvaluated(reasons.join(" | "))
     }

@@ -1,11 +1,13 @@
 //! Faults that real recordings have by themselves are taken off before others are put in.
 
+use frames_lint::faults::Family;
+use frames_lint::faults::motion::{GRAVITY, change_covariances, change_imu};
 use frames_lint::world::{Facts, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::errors::{GRAVITY, as_imu_rows, each_covariance};
-use crate::streams::{Kind, Stream};
-use crate::support::drive::errors::{Error, rotation, slots};
+use crate::errors::{inject, known};
+use crate::streams::Stream;
+use crate::support::drive::errors::{rotation, slots};
 
 /// Findings on fixed recordings that are true: words of the recording, the rule, and why.
 const TRUE: &[(&str, &str, &str)] = &[
@@ -37,7 +39,9 @@ pub fn correct(world: &mut World) -> Vec<String> {
     let mut told = Vec::new();
     if world.label.contains("lab5/data/circle") {
         // A VN-100 copied raw: NED of a body in FRD. The same change leads back.
-        as_imu_rows(world, None, |row| row.apply(Error::NedFrd, GRAVITY));
+        for stream in inertial(world) {
+            inject(known("imu-ned-frd"), world, &stream);
+        }
         told.push(format!(
             "{}: the sensor in NED/FRD is expressed in ENU/FLU",
             world.label
@@ -45,10 +49,12 @@ pub fn correct(world: &mut World) -> Vec<String> {
     }
     if world.label.contains("turtlebot3") {
         // A simulator that gives the acceleration without gravity.
-        as_imu_rows(world, None, |row| {
-            let up = rotation(row.orientation).inverse() * Vector3::z() * GRAVITY;
-            row.acceleration = (Vector3::from(row.acceleration) + up).into();
-        });
+        for stream in inertial(world) {
+            change_imu(world, &stream, |row| {
+                let up = rotation(row.orientation).inverse() * Vector3::z() * GRAVITY;
+                row.acceleration = (Vector3::from(row.acceleration) + up).into();
+            });
+        }
         told.push(format!(
             "{}: the acceleration without gravity gets it back",
             world.label
@@ -56,10 +62,10 @@ pub fn correct(world: &mut World) -> Vec<String> {
     }
     if world.label.contains("robot_localization") {
         // The yaw of one of its sensors is 167 deg from the course, as AXES04 reports: the mount is not said.
-        for stream in Stream::all(world).into_iter().filter(|stream| stream.kind == Kind::Imu) {
+        for stream in inertial(world) {
             if world.path(world.bags[stream.bag].source).contains("test1") {
                 let back = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -167f64.to_radians());
-                as_imu_rows(world, Some(&stream), |row| {
+                change_imu(world, &stream, |row| {
                     row.orientation = slots(back * rotation(row.orientation));
                 });
             }
@@ -71,19 +77,11 @@ pub fn correct(world: &mut World) -> Vec<String> {
     }
     if world.label.contains("novatel") {
         // Its driver states variances of angles in deg2.
-        for stream in Stream::all(world) {
-            stream.contents(world, |content| {
-                for field in ["pose.covariance", "orientation_covariance"] {
-                    each_covariance(content, field, |sample| {
-                        let to_rad2 = 1f64.to_radians().powi(2);
-                        let size = if sample.values.len() == 36 { 6 } else { 3 };
-                        for (index, value) in sample.values.iter_mut().enumerate() {
-                            let is_angle = |axis: usize| size == 3 || axis >= 3;
-                            let both = [index / size, index % size].into_iter().filter(|axis| is_angle(*axis));
-                            *value *= to_rad2.sqrt().powi(both.count() as i32);
-                        }
-                    });
-                }
+        let streams: Vec<Stream> = Stream::all(world).collect();
+        for stream in streams {
+            stream.change_contents(world, |content| {
+                change_covariances::<36>(content, "pose.covariance", |_, values| in_rad2(values));
+                change_covariances::<9>(content, "orientation_covariance", |_, values| in_rad2(values));
             });
         }
         told.push(format!(
@@ -93,6 +91,24 @@ pub fn correct(world: &mut World) -> Vec<String> {
     }
     world.absorb(Facts::default());
     told
+}
+
+/// The inertial sensors of a world.
+fn inertial(world: &World) -> Vec<Stream> {
+    Stream::all(world)
+        .filter(|stream| stream.family == Family::Imu)
+        .collect()
+}
+
+/// A covariance in deg2, of angles or of positions and angles, in rad2.
+fn in_rad2<const N: usize>(mut values: [f64; N]) -> [f64; N] {
+    let size = if N == 36 { 6 } else { 3 };
+    for (index, value) in values.iter_mut().enumerate() {
+        let is_angle = |axis: usize| size == 3 || axis >= 3;
+        let both = [index / size, index % size].into_iter().filter(|axis| is_angle(*axis));
+        *value *= 1f64.to_radians().powi(both.count() as i32);
+    }
+    values
 }
 
 /// Why no error is put into a world.

@@ -6,14 +6,14 @@ use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::rc::Rc;
 
+use frames_lint::faults::Family;
 use frames_lint::world::bag::{TfEdge, TfSample};
 use frames_lint::world::motion::{PoseRow, Row, Series};
 use frames_lint::world::{FrameId, Pose, World};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use crate::errors::edges;
 use crate::stages::{Stage, message};
-use crate::streams::{Kind, Stream, StreamPlace};
+use crate::streams::{MovingFrame, Stream, StreamPlace, name};
 use crate::support::clouds::{Driver, Lidar};
 use crate::support::drive::errors::slots;
 use crate::support::drive::lidar::{Beams, Ray, cast};
@@ -31,7 +31,7 @@ const SEED: u64 = 5;
 
 /// An Ouster in its Sensor frame.
 pub static LIDAR: Stage = Stage {
-    kind: Kind::Poses,
+    family: Family::Pose,
     words: &["`/points`", "`os_lidar`"],
     put: |world, stream| put(world, stream, &RIGHT),
 };
@@ -87,12 +87,12 @@ impl PathSection {
     /// The part of the recording that is used; `None` where there is none.
     fn of(world: &mut World, stream: &Stream) -> Option<Self> {
         let mut stretches: Vec<Vec<PoseRow>> = Vec::new();
-        stream.contents(world, |content| {
+        stream.change_contents(world, |content| {
             stretches.extend(of_series(content.motion.poses.as_ref()));
         });
         if stretches.is_empty() {
-            let edges = edges(world, stream);
-            stretches = edges.iter().flat_map(|edge| of_series(edge.motion.as_ref())).collect();
+            let edges = stream.edges_mut(world);
+            stretches = edges.flat_map(|edge| of_series(edge.motion.as_ref())).collect();
         }
         let parts = stretches.iter().flat_map(|rows| {
             let step = (rows.len() / 20).max(1);
@@ -172,15 +172,15 @@ thread_local! {
 }
 
 fn put(world: &mut World, stream: &Stream, setup: &LidarSetup) -> bool {
-    let child = stream.at.iter().find_map(|at| match at {
-        StreamPlace::Edge(_, child, _) => Some(child.clone()),
-        StreamPlace::Topic(topic, None) => {
+    let child = stream.places.iter().find_map(|place| match place {
+        StreamPlace::Edge { child, .. } => Some(child.clone()),
+        StreamPlace::Topic { topic, field: None } => {
             let frames = &world.bags[stream.bag].topics[topic].child_frames;
             frames.keys().next().map(|frame| frame.canonical().as_str().to_owned())
         }
-        StreamPlace::Topic(..) => None,
+        StreamPlace::Topic { .. } => None,
     });
-    let (Some(child), true) = (child, stream.is_of_base) else {
+    let (Some(child), true) = (child, stream.moving == MovingFrame::Base) else {
         return false;
     };
     let Some(way) = PathSection::of(world, stream) else {
@@ -202,7 +202,7 @@ fn put(world: &mut World, stream: &Stream, setup: &LidarSetup) -> bool {
         ..Lidar::default()
     };
     (setup.cloud)(&mut lidar);
-    lidar.setup = (setup.axes)(&mount);
+    lidar.stated = (setup.axes)(&mount);
     let rays = rays(stream, &way, &ground, &mount, &lidar);
     let [stamp_ns, log_ns] = way.start_ns;
     let topic = scans::collected(&lidar, "os_sensor", &rays, |number| {
@@ -258,7 +258,7 @@ fn rays(
     lidar: &Lidar,
 ) -> Rc<Vec<Vec<Ray>>> {
     let scanner = lidar.scanner();
-    let key = format!("{} {} {scanner:?}", stream.bag, stream.name());
+    let key = format!("{} {} {scanner:?}", stream.bag, name(stream));
     let kept = KEPT.with_borrow(|kept| kept.clone().filter(|(of, _)| *of == key));
     if let Some((_, rays)) = kept {
         return rays;

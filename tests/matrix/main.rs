@@ -33,7 +33,6 @@ mod cells;
 mod corrected;
 mod errors;
 mod lidars;
-mod places;
 mod stages;
 mod streams;
 mod table;
@@ -43,8 +42,8 @@ use std::sync::Arc;
 
 use cells::Cell;
 use frames_lint::engine::{self, Extent, Options, Rules};
+use frames_lint::faults::Family;
 use frames_lint::world::World;
-use streams::{Kind, Stream};
 
 /// A row of the matrix: the streams of one kind of one recording.
 struct Line {
@@ -92,7 +91,7 @@ fn unjudged_of(world: &World, rules: &Rules) -> Vec<String> {
     if corrected::left_out(world).is_some() {
         return Vec::new();
     }
-    let is_seer = |rule: &str| errors::all().any(|error| error.seen_by.iter().any(|seen| seen.starts_with(rule)));
+    let is_seer = |rule: &str| errors::all().any(|error| error.seen_by().iter().any(|seen| seen.starts_with(rule)));
     let verdict = rules.judge(world);
     let mut unjudged = Vec::new();
     for finding in verdict.findings.iter().filter(|finding| is_seer(&finding.rule)) {
@@ -113,18 +112,18 @@ fn of_world(world: &World, rules: &Rules, only: &[&str]) -> Vec<Line> {
         println!("left out: {}: {why}", world.label);
         return lines;
     }
-    for stream in Stream::all(world) {
+    for stream in streams::all(world) {
         let path = world.path(world.bags[stream.bag].source);
-        let name = format!("{} {}", short(path), stream.name());
+        let name = format!("{} {}", short(path), streams::name(&stream));
         let mut cells = BTreeMap::new();
         let judged = cells::Judged::of(world, &stream, rules);
         for error in errors::all() {
-            let is_meant = |word: &&str| name.contains(*word) || error.name == *word;
+            let is_meant = |word: &&str| name.contains(*word) || error.name() == *word;
             if !only.is_empty() && !only.iter().any(is_meant) {
                 continue;
             }
             if let Some(cell) = judged.with(error) {
-                cells.insert(error.name, cell);
+                cells.insert(error.name(), cell);
             }
         }
         if !cells.is_empty() {
@@ -149,12 +148,7 @@ fn short(path: &str) -> String {
 /// Prints the matrix, a kind of stream after the other; gives the legend of what is neither named nor lacks streams.
 fn print(lines: &[Line]) -> Vec<String> {
     let mut reasons = Vec::new();
-    for (kind, of) in [
-        ("imu", Kind::Imu),
-        ("poses", Kind::Poses),
-        ("fixes", Kind::Fixes),
-        ("camera", Kind::Camera),
-    ] {
+    for kind in [Family::Imu, Family::Pose, Family::Fix, Family::Camera].map(Family::word) {
         let lines: Vec<&Line> = lines
             .iter()
             .filter(|line| line.name.contains(&format!(" {kind} ")))
@@ -165,22 +159,25 @@ fn print(lines: &[Line]) -> Vec<String> {
         }
         let numbers: Vec<String> = (1..=lines.len()).map(|number| format!("{number:4}")).collect();
         println!("\n{:24}{}", "", numbers.concat());
-        for error in errors::all()
-            .filter(|error| error.kind() == of && lines.iter().any(|line| line.cells.contains_key(error.name)))
-        {
+        for error in errors::all().filter(|error| lines.iter().any(|line| line.cells.contains_key(error.name()))) {
             let mut row = String::new();
             for (number, line) in lines.iter().enumerate() {
-                let Some(cell) = line.cells.get(error.name) else {
+                let Some(cell) = line.cells.get(error.name()) else {
                     row.push_str("   .");
                     continue;
                 };
                 let letter = cell.letter();
                 row.push_str(&format!("{letter:>4}"));
                 if let Some(said) = cell.said() {
-                    reasons.push(format!("{letter} {} {}. {}: {said}", error.name, number + 1, line.name));
+                    reasons.push(format!(
+                        "{letter} {} {}. {}: {said}",
+                        error.name(),
+                        number + 1,
+                        line.name
+                    ));
                 }
             }
-            println!("{:24}{row}", error.name);
+            println!("{:24}{row}", error.name());
         }
     }
     println!(

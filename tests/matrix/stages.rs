@@ -2,22 +2,23 @@
 //!
 //! The numbers are the recording's own: its origin lies beside its first fix, its sensor's orientation is the heading.
 
+use frames_lint::faults::Family;
 use frames_lint::source::{MessageRef, Place as At};
 use frames_lint::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
 use frames_lint::world::claim::Pose;
 use frames_lint::world::motion::{OrientationRow, Row, Series};
 use frames_lint::world::{EarthOrigin, FrameId, World};
 
-use crate::errors::{as_imu_rows, as_odometry_rows, edges};
-use crate::places::Place;
-use crate::streams::{At as StreamAt, Kind, Stream};
+use crate::errors::{inject, known};
+use crate::streams::{Stream, StreamPlace};
+use crate::support::drive::Place;
 use crate::support::drive::errors::{Error as Known, rotation, slots};
 use crate::support::drive::pose::earth_from_enu;
 
 /// Something staged.
 pub struct Stage {
     /// The streams that it is staged beside.
-    pub kind: Kind,
+    pub family: Family,
     /// Words in a row's subject that say that it is of this, beside the stream's own.
     pub words: &'static [&'static str],
     /// Stages it; false where it cannot be.
@@ -26,7 +27,7 @@ pub struct Stage {
 
 /// A map and a datum whose origin was surveyed beside the first fix.
 pub static EARTH: Stage = Stage {
-    kind: Kind::Fixes,
+    family: Family::Fix,
     words: &["`map`", "datum", "origin"],
     put: |world, stream| {
         let Some(first) = surveyed(world, stream) else {
@@ -57,7 +58,7 @@ pub static EARTH: Stage = Stage {
 
 /// A lidar's cloud in a frame of its own.
 pub static CLOUD: Stage = Stage {
-    kind: Kind::Imu,
+    family: Family::Imu,
     words: &[],
     put: |world, stream| {
         put_topic(
@@ -73,11 +74,13 @@ pub static CLOUD: Stage = Stage {
 
 /// An Xsens as the one that publishes the sensor.
 pub static XSENS: Stage = Stage {
-    kind: Kind::Imu,
+    family: Family::Imu,
     words: &["(Xsens)"],
     put: |world, stream| {
-        for at in &stream.at {
-            let StreamAt::Topic(topic, _) = at else { continue };
+        for place in &stream.places {
+            let StreamPlace::Topic { topic, .. } = place else {
+                continue;
+            };
             let topic = world.bags[stream.bag].topics.get_mut(topic).unwrap();
             topic.writers = [("xsens_driver".to_owned(), topic.count)].into();
         }
@@ -87,11 +90,11 @@ pub static XSENS: Stage = Stage {
 
 /// The sensor's orientation on a topic of its own.
 pub static HEADING: Stage = Stage {
-    kind: Kind::Imu,
+    family: Family::Imu,
     words: &["`/heading`"],
     put: |world, stream| {
         let mut rows = Vec::new();
-        stream.contents(world, |content| {
+        stream.change_contents(world, |content| {
             let stretches = content.motion.inertial.iter().flat_map(|series| &series.stretches);
             rows.extend(stretches.map(|stretch| {
                 let told = stretch.iter().map(|row| OrientationRow {
@@ -115,7 +118,7 @@ pub static HEADING: Stage = Stage {
 
 /// A simulator with a left-handed world as what publishes.
 pub static CARLA: Stage = Stage {
-    kind: Kind::Poses,
+    family: Family::Pose,
     words: &["(CARLA)"],
     put: |world, stream| {
         put_topic(world, stream, "/carla/status", "carla_msgs/msg/CarlaStatus", "");
@@ -125,11 +128,11 @@ pub static CARLA: Stage = Stage {
 
 /// A map beside the correction that a recording has.
 pub static CORRECTION: Stage = Stage {
-    kind: Kind::Poses,
+    family: Family::Pose,
     words: &["`odom`"],
     put: |world, stream| {
-        let is_it = |at: &StreamAt| matches!(at, StreamAt::Edge(map, odom, _) if map == "map" && odom == "odom");
-        stream.at.iter().any(is_it) && {
+        let is_it = |place: &StreamPlace| matches!(place, StreamPlace::Edge { parent, child, .. } if parent == "map" && child == "odom");
+        stream.places.iter().any(is_it) && {
             put_topic(world, stream, "/map", "nav_msgs/msg/OccupancyGrid", "map");
             true
         }
@@ -150,13 +153,8 @@ pub fn move_earth(world: &mut World, stream: &Stream, degrees: f64) {
         ..first
     };
     set_earth(world, stream, on_earth(away, None));
-    move_datum(world, |[_, longitude]| [away.latitude, longitude]);
-}
-
-/// Moves the datum alone.
-pub fn move_datum(world: &mut World, change: impl Fn([f64; 2]) -> [f64; 2]) {
-    let origin = world.origins.last_mut().unwrap();
-    origin.latitude_longitude_deg = origin.latitude_longitude_deg.map(change);
+    let datum = world.origins.last_mut().unwrap();
+    datum.latitude_longitude_deg = Some([away.latitude, away.longitude]);
 }
 
 /// Tells the cloud in the sensor's frame.
@@ -165,11 +163,16 @@ pub fn share_frame(world: &mut World, stream: &Stream) {
     put_topic(world, stream, "/livox/lidar", "sensor_msgs/msg/PointCloud2", &frame);
 }
 
-/// A yaw that is zero in the north.
-pub fn zero_north(world: &mut World, stream: &Stream) {
-    as_imu_rows(world, Some(stream), |row| {
-        row.apply(Known::ZeroNorth, crate::errors::GRAVITY);
-    });
+/// Puts a mistake of the catalogue into the stream.
+pub fn put_known(world: &mut World, stream: &Stream, name: &str) {
+    assert!(inject(known(name), world, stream), "{name} changes nothing");
+}
+
+/// Puts a mistake of the catalogue into the datum.
+pub fn change_datum(world: &mut World, name: &str) {
+    let change = known(name).change;
+    let datum = change.subjects(world).pop().unwrap();
+    assert!(change.apply(world, &datum), "{name} changes nothing");
 }
 
 /// A compass heading as the yaw of the orientation on its own topic.
@@ -180,39 +183,6 @@ pub fn compass_heading(world: &mut World, stream: &Stream) {
         let (roll, pitch, yaw) = rotation(row.orientation).euler_angles();
         let heading = std::f64::consts::FRAC_PI_2 - yaw;
         row.orientation = slots(nalgebra::UnitQuaternion::from_euler_angles(roll, pitch, heading));
-    }
-}
-
-/// Poses of a left-handed world.
-pub fn left_handed(world: &mut World, stream: &Stream) {
-    as_odometry_rows(world, stream, |row| row.apply(Known::LeftHanded));
-}
-
-/// Nobody publishes the correction.
-pub fn remove_correction(world: &mut World, stream: &Stream) {
-    world.bags[stream.bag].tf.retain(|edge| {
-        let at = StreamAt::Edge(
-            edge.parent.canonical().as_str().to_owned(),
-            edge.child.canonical().as_str().to_owned(),
-            edge.topic.clone(),
-        );
-        !stream.at.contains(&at)
-    });
-}
-
-/// The correction stays at its first value.
-pub fn hold_correction(world: &mut World, stream: &Stream) {
-    for edge in edges(world, stream) {
-        edge.extreme = None;
-        let first = edge.samples[0].pose;
-        edge.samples.iter_mut().for_each(|sample| sample.pose = first);
-        for row in edge
-            .motion
-            .iter_mut()
-            .flat_map(|series| series.stretches.iter_mut().flatten())
-        {
-            (row.position, row.orientation) = (first.translation_m, first.rotation_xyzw);
-        }
     }
 }
 
@@ -276,7 +246,7 @@ fn on_earth(place: Place, error: Option<Known>) -> Pose {
 /// A point 33 m to the north of the first fix: the first fix itself would be an origin of its own kind (GEO07).
 fn surveyed(world: &mut World, stream: &Stream) -> Option<Place> {
     let mut first = None;
-    stream.contents(world, |content| {
+    stream.change_contents(world, |content| {
         let rows = content.motion.fixes.iter().flat_map(Series::rows);
         first = first.or_else(|| {
             rows.map(|fix| Place {
@@ -297,6 +267,7 @@ fn surveyed(world: &mut World, stream: &Stream) -> Option<Place> {
     })
 }
 
+/// Whether a sensor states an orientation: the mistakes of orientations say where there is one.
 fn has_orientation(world: &World, stream: &Stream) -> bool {
-    crate::errors::has(world, stream, crate::errors::Requirement::Orientation)
+    inject(known("imu-conjugate"), &mut world.clone(), stream)
 }

@@ -3,6 +3,8 @@
 //! Their worlds are what a recording of the drive gives, as it is collected: a recipe for each scene, healthy or with one
 //! fault. Owns the scenes, and what a finding must say to have named their faults.
 
+use std::sync::Arc;
+
 use frames_lint::world::World;
 use nalgebra::{Isometry3, Translation3};
 
@@ -518,7 +520,7 @@ impl Scene {
     pub fn world(&self, kind: Kind, seed: u64) -> World {
         let (source, collected) = support::collected(&support::build(&self.recipe(kind, seed)));
         let mut world = World::default();
-        world.sources = vec![source].into();
+        world.sources = Arc::new(vec![Arc::new(source)]);
         world.absorb(collected.facts);
         world
     }

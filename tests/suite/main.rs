@@ -35,6 +35,7 @@ mod dialects;
 mod diff;
 mod drives;
 mod evidence;
+mod faults_motion;
 mod fixes;
 mod formats;
 mod foxglove;

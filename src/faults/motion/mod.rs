@@ -1,8 +1,28 @@
 //! Mistakes of what moves: inertial sensors, poses, fixes, and the stamps of their messages.
+//!
+//! A mistake is a function of one message. It is put into the rows of a stream, which are means of messages number by number, so that
+//! orders, signs and units of the numbers commute with them; and into whatever else of the messages is kept.
+
+mod covariances;
+mod fixes;
+mod imu;
+mod origins;
+mod places;
+mod poses;
+mod stamps;
+mod streams;
+mod table;
+mod turns;
+
+pub use covariances::change_covariances;
+pub use imu::{GRAVITY, ImuMessage, change_imu};
+pub use poses::{PoseMessage, change_poses};
+pub use streams::{MovingFrame, Stream, StreamPlace};
+pub use turns::Oriented;
 
 use super::Fault;
 
 /// The mistakes of each kind.
 pub(super) fn tables() -> impl Iterator<Item = &'static [Fault]> {
-    std::iter::empty()
+    table::all().into_iter()
 }

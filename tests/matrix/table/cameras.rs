@@ -3,10 +3,10 @@
 use nalgebra::{Isometry3, Vector3};
 
 use crate::cameras::{self, CAMERA, STEREO};
-use crate::errors::{Change, Error};
+use crate::errors::{Change, StagedError};
 use crate::lidars::turn;
 
-pub static ERRORS: &[Error] = &[
+pub static ERRORS: &[StagedError] = &[
     error!(
         "optical not rotated",
         Change::Frames(|_| Isometry3::identity()),

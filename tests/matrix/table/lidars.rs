@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::errors::{Change, Error};
+use crate::errors::{Change, StagedError};
 use crate::lidars::{LIDAR, LidarSetup, RIGHT, optical, set_lidar, turn};
 use crate::support::clouds::Times;
 
@@ -45,7 +45,7 @@ macro_rules! other_frame {
     };
 }
 
-pub static ERRORS: &[Error] = &[
+pub static ERRORS: &[StagedError] = &[
     lidar!(
         "cloud z down",
         LidarSetup {

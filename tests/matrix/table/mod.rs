@@ -1,8 +1,8 @@
-//! The tables of errors, by the streams that they are put into.
+//! The tables of errors that are staged, by what they are staged beside.
 
 macro_rules! error {
     ($name:literal, $change:expr, $words:expr, $texts:expr, $seen_by:expr) => {
-        Error {
+        StagedError {
             name: $name,
             change: $change,
             words: &$words,
@@ -13,26 +13,10 @@ macro_rules! error {
 }
 
 mod cameras;
-mod fixes;
-mod imu;
 mod lidars;
-mod poses;
 mod staged;
 
-use crate::errors::Error;
+use crate::errors::StagedError;
 
-/// What a finding on a sensor says of the track that it is held against.
-const MIRRORED: &str = "the track it is compared with is mirrored";
-
-/// Every error: of inertial sensors, of poses, of fixes, and of what is staged beside them.
-pub fn all() -> impl Iterator<Item = &'static Error> {
-    let tables = [
-        imu::ERRORS,
-        poses::ERRORS,
-        fixes::ERRORS,
-        staged::ERRORS,
-        lidars::ERRORS,
-        cameras::ERRORS,
-    ];
-    tables.into_iter().flatten()
-}
+/// Every one.
+pub static STAGED: [&[StagedError]; 3] = [staged::ERRORS, lidars::ERRORS, cameras::ERRORS];

@@ -1,6 +1,6 @@
 //! Errors of what no recording at hand says by itself: it is first staged, rightly, beside the evidence, then wrong.
 
-use crate::errors::{Change, Error};
+use crate::errors::{Change, StagedError};
 use crate::stages::{self, CARLA, CLOUD, CORRECTION, EARTH, HEADING, XSENS};
 use crate::support::drive::errors::Error as Known;
 
@@ -20,7 +20,7 @@ macro_rules! earth {
     };
 }
 
-pub static ERRORS: &[Error] = &[
+pub static ERRORS: &[StagedError] = &[
     earth!("earth>map transposed", Transposed, "transposed"),
     earth!("earth>map in NED", NedRows, "ned-enu"),
     earth!("earth>map of a sphere", SphericalLatitude, "spherical-latitude"),
@@ -35,17 +35,14 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "datum 10 m off",
-        Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [
-            lat + 1e-4,
-            lon
-        ])),
+        Change::Staged(&EARTH, |world, _| stages::change_datum(world, "fix-origin-moved")),
         ["origin-changed"],
         ["put the origin"],
         ["GEO07"]
     ),
     error!(
         "datum lat/lon",
-        Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [lon, lat])),
+        Change::Staged(&EARTH, |world, _| stages::change_datum(world, "fix-origin-swapped")),
         ["origin-changed", "lat-lon-swapped"],
         ["put the origin"],
         ["GEO07"]
@@ -59,7 +56,11 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "zero north, of an Xsens",
-        Change::Staged(&XSENS, stages::zero_north),
+        Change::Staged(&XSENS, |world, stream| stages::put_known(
+            world,
+            stream,
+            "imu-zero-north"
+        )),
         ["driver-setting"],
         [],
         ["SENSOR06 zero"]
@@ -73,21 +74,33 @@ pub static ERRORS: &[Error] = &[
     ),
     error!(
         "left-handed, of CARLA",
-        Change::Staged(&CARLA, stages::left_handed),
+        Change::Staged(&CARLA, |world, stream| stages::put_known(
+            world,
+            stream,
+            "pose-left-handed"
+        )),
         ["left-handed"],
         [],
         ["SENSOR09"]
     ),
     error!(
         "map>odom missing",
-        Change::Staged(&CORRECTION, stages::remove_correction),
+        Change::Staged(&CORRECTION, |world, stream| stages::put_known(
+            world,
+            stream,
+            "pose-correction-missing"
+        )),
         [],
         ["no transform connects it to"],
         ["TREE16"]
     ),
     error!(
         "map>odom held",
-        Change::Staged(&CORRECTION, stages::hold_correction),
+        Change::Staged(&CORRECTION, |world, stream| stages::put_known(
+            world,
+            stream,
+            "pose-correction-held"
+        )),
         [],
         ["but the odometry drifts by"],
         ["TREE16"]

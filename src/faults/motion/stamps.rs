@@ -1,0 +1,192 @@
+//! Mistakes in the stamps of messages.
+
+use crate::faults::{Change, Subject, SubjectPlace};
+use crate::source::MessageRef;
+use crate::tables::leap_seconds;
+use crate::world::World;
+use crate::world::bag::{StampEvidence, TopicEvidence};
+use crate::world::content::{ContentEvidence, StepEvidence};
+use crate::world::motion::{MotionEvidence, Series};
+
+/// The GPS epoch after the Unix epoch, seconds.
+const GPS_EPOCH_S: f64 = 315_964_800.0;
+const NS_PER_S: f64 = 1e9;
+
+/// A mistake in the stamps of a topic.
+pub(super) enum StampChange {
+    /// GPS time in place of UTC.
+    GpsTime,
+    /// TAI in place of UTC.
+    Tai,
+    /// GPS time since the GPS epoch, as if that were the Unix epoch.
+    GpsEpoch,
+    /// This many seconds more.
+    Ahead(f64),
+    /// Stamped on arrival, this many seconds after the measurement.
+    OnArrival(f64),
+    /// Not filled in.
+    Zero,
+}
+
+impl Change for StampChange {
+    fn subjects(&self, world: &World) -> Vec<Subject> {
+        let bags = world.bags.iter().enumerate();
+        let topics = bags.flat_map(|(bag, evidence)| evidence.topics.values().map(move |topic| (bag, topic)));
+        topics.filter(|(_, topic)| is_stamped(topic)).map(subject).collect()
+    }
+
+    fn apply(&self, world: &mut World, subject: &Subject) -> bool {
+        let SubjectPlace::Topic { bag, topic } = &subject.at else {
+            return false;
+        };
+        let topic = world.bags.get_mut(*bag).and_then(|bag| bag.topics.get_mut(topic));
+        let Some(topic) = topic.filter(|topic| is_stamped(topic)) else {
+            return false;
+        };
+        let log_s = topic.first_log_ns.unwrap_or_default() as f64 / NS_PER_S;
+        let leap = leap_seconds();
+        match self {
+            Self::GpsTime => shift(topic, leap.gps_minus_utc_s(log_s), 0.0),
+            Self::Tai => shift(topic, leap.tai_minus_utc_s(log_s), 0.0),
+            Self::GpsEpoch => shift(topic, leap.gps_minus_utc_s(log_s) - GPS_EPOCH_S, 0.0),
+            Self::Ahead(seconds) => shift(topic, *seconds, 0.0),
+            Self::OnArrival(seconds) => shift(topic, *seconds, *seconds),
+            Self::Zero => clear(topic),
+        }
+        true
+    }
+}
+
+/// A topic as a subject.
+fn subject((bag, topic): (usize, &TopicEvidence)) -> Subject {
+    let word = format!("`{}`", topic.topic);
+    Subject {
+        name: format!("topic {word}"),
+        words: vec![word],
+        at: SubjectPlace::Topic {
+            bag,
+            topic: topic.topic.clone(),
+        },
+    }
+}
+
+/// Whether a topic has motion, with stamps that are not zero.
+fn is_stamped(topic: &TopicEvidence) -> bool {
+    let has_motion = topic.contents().any(|said| {
+        let MotionEvidence {
+            inertial,
+            poses,
+            twists,
+            fixes,
+            orientations,
+            vectors: _,
+            nmea: _,
+        } = &said.content.motion;
+        inertial.is_some() || poses.is_some() || twists.is_some() || fixes.is_some() || orientations.is_some()
+    });
+    has_motion && topic.stamps.count > topic.stamps.zero
+}
+
+/// Changes both times of every row: stamp and log time, nanoseconds.
+macro_rules! each_row {
+    ($motion:expr, $change:expr, [$($series:ident),*]) => {
+        $(for row in $motion.$series.iter_mut().flat_map(rows) {
+            $change(&mut row.stamp_ns, &mut row.log_ns);
+        })*
+    };
+}
+
+fn rows<T>(series: &mut Series<T>) -> impl Iterator<Item = &mut T> {
+    series.stretches.iter_mut().flatten()
+}
+
+/// Changes stamp and log time wherever a topic's evidence has them.
+fn change_times(topic: &mut TopicEvidence, change: impl Fn(&mut i64, &mut i64)) {
+    let members = topic.members.values_mut();
+    let mut frames: Vec<&mut MessageRef> = Vec::new();
+    let mut contents: Vec<&mut ContentEvidence> = vec![&mut topic.content];
+    for member in members {
+        contents.push(&mut member.content);
+        let used = member
+            .header_frames
+            .values_mut()
+            .chain(member.child_frames.values_mut());
+        frames.extend(used.map(|used| &mut used.first));
+        frames.extend(&mut member.first);
+    }
+    for content in contents {
+        each_row!(
+            content.motion,
+            change,
+            [inertial, poses, twists, fixes, orientations, vectors, nmea]
+        );
+    }
+    let used = topic.header_frames.values_mut().chain(topic.child_frames.values_mut());
+    frames.extend(used.map(|used| &mut used.first));
+    let StampEvidence {
+        samples,
+        first_zero,
+        largest_backward,
+        first_repeated,
+        largest_gap,
+        first,
+        last,
+        ..
+    } = &mut topic.stamps;
+    for (stamp_ns, log_ns) in samples {
+        change(stamp_ns, log_ns);
+    }
+    let with_steps = [largest_backward, largest_gap].into_iter().flatten();
+    frames.extend(with_steps.map(|(_, at)| at));
+    frames.extend([first_zero, first_repeated, first, last].into_iter().flatten());
+    for at in frames {
+        if let Some(stamp_ns) = &mut at.stamp_ns {
+            change(stamp_ns, &mut at.log_ns);
+        }
+    }
+}
+
+/// Nanoseconds.
+fn nanoseconds(seconds: f64) -> i64 {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the offsets of this file are below 292 years"
+    )]
+    let whole = (seconds * NS_PER_S).round() as i64;
+    whole
+}
+
+/// Shifts stamps that are not zero, and log times, seconds.
+fn shift(topic: &mut TopicEvidence, stamps_s: f64, logs_s: f64) {
+    let (stamps_ns, logs_ns) = (nanoseconds(stamps_s), nanoseconds(logs_s));
+    change_times(topic, |stamp_ns, log_ns| {
+        if *stamp_ns != 0 {
+            *stamp_ns = stamp_ns.saturating_add(stamps_ns);
+        }
+        *log_ns = log_ns.saturating_add(logs_ns);
+    });
+    for log_ns in [&mut topic.first_log_ns, &mut topic.last_log_ns].into_iter().flatten() {
+        *log_ns = log_ns.saturating_add(logs_ns);
+    }
+}
+
+/// Makes every stamp zero.
+fn clear(topic: &mut TopicEvidence) {
+    change_times(topic, |stamp_ns, _| *stamp_ns = 0);
+    let stamps = &mut topic.stamps;
+    stamps.zero = stamps.count;
+    stamps.first_zero = stamps.first.clone();
+    (stamps.backward, stamps.repeated, stamps.long_gaps) = (0, 0, 0);
+    (stamps.largest_backward, stamps.largest_gap) = (None, None);
+    (stamps.first_repeated, stamps.median_step_ns) = (None, None);
+    // Steps between messages without a stamp are not taken.
+    let members = topic.members.values_mut().map(|member| &mut member.content);
+    for content in members.chain([&mut topic.content]) {
+        if let Some(imu) = &mut content.imu {
+            imu.turned_rad = 0.0;
+        }
+        if let Some(odometry) = &mut content.odometry {
+            odometry.steps = StepEvidence::default();
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Mistakes that the catalogue puts into evidence are judged as the same mistakes in messages are.
+//!
+//! The drives write the mistakes into messages by formulas of their own: what is collected of them is the truth.
+
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
+
+use std::collections::BTreeSet;
+
+use frames_lint::engine::{self, Options, Rules};
+use frames_lint::faults::{self, Fault};
+use frames_lint::world::{Facts, World};
+
+use crate::support;
+
+/// A drive; `@` and a word stand where a mistake of that stream is put in.
+const DRIVE: &str = "
+duration_s: 60
+drive: {vehicle: car, motion: turning, seed: 2, tilt_deg: 3, place: {latitude: 48, longitude: 11.5, altitude: 500}}
+topics:
+  - topic: /tf_static
+    transforms:
+      - {parent: base_link, child: imu, xyz: [0.3, 0, 0.4]}
+      - {parent: base_link, child: gps, xyz: [0, 0, 1.5]}
+  - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: imu, xyz: [0.3, 0, 0.4]@imu}
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link@odom}
+  - {topic: /pose, from_drive: pose, type: geometry_msgs/msg/PoseWithCovarianceStamped, rate_hz: 10, frame_id: map@pose}
+  - topic: /tf
+    rate_hz: 20
+    transforms:
+      - {parent: odom, child: base_link, from_drive: odometry@odom}
+      - {parent: map, child: odom, from_drive: map_odom@map}
+  - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps, xyz: [0, 0, 1.5]@fix}
+  - {topic: /nmea, from_drive: nmea, rate_hz: 5, frame_id: gps, xyz: [0, 0, 1.5], sentences: [GGA, RMC]}
+";
+
+/// Mistakes: the name in the catalogue, the stream, what makes it in a recipe, and the topic.
+const MADE: &[(&str, &str, &str)] = &[
+    ("imu-ned-frd", "imu", "errors: [ned_frd]"),
+    ("imu-ned-orientation", "imu", "errors: [ned_orientation]"),
+    ("imu-ned-world", "imu", "errors: [ned_world]"),
+    ("imu-conjugate", "imu", "errors: [conjugate]"),
+    ("imu-wxyz", "imu", "errors: [wxyz]"),
+    ("imu-wxyz-conjugate", "imu", "errors: [conjugate, wxyz]"),
+    ("imu-compass-yaw", "imu", "errors: [compass_yaw]"),
+    ("imu-zero-north", "imu", "errors: [zero_north]"),
+    ("imu-euler-xyz", "imu", "errors: [euler_xyz]"),
+    ("imu-degrees", "imu", "errors: [angles_in_degrees]"),
+    ("imu-sensor-frd", "imu", "errors: [frd]"),
+    ("imu-gyro-negated", "imu", "errors: [gyro_negated]"),
+    ("imu-gyro-deg", "imu", "errors: [deg_s]"),
+    ("imu-accel-negated", "imu", "errors: [gravity_sign]"),
+    ("imu-accel-g", "imu", "errors: [g]"),
+    ("imu-accel-cm", "imu", "errors: [cm_s2]"),
+    ("imu-gravity-removed", "imu", "errors: [gravity_removed]"),
+    ("imu-left-handed", "imu", "errors: [left_handed]"),
+    ("imu-mounted-yaw-90", "imu", "errors: [yaw_90]"),
+    ("imu-mounted-backward", "imu", "errors: [backward]"),
+    ("imu-y-forward", "imu", "errors: [y_forward]"),
+    ("imu-upside-down", "imu", "errors: [inverted]"),
+    ("imu-covariance-degrees", "imu", "errors: [covariance_degrees]"),
+    ("imu-covariance-deviations", "imu", "errors: [covariance_std]"),
+    ("pose-xy-swapped", "odom", "errors: [swap_xy]"),
+    ("pose-x-negated", "odom", "errors: [x_negated]"),
+    ("pose-y-negated", "odom", "errors: [y_negated]"),
+    ("pose-z-negated", "pose", "errors: [z_negated]"),
+    ("pose-wxyz", "odom", "errors: [wxyz]"),
+    ("pose-orientation-inverse", "odom", "errors: [conjugate]"),
+    ("pose-compass-yaw", "odom", "errors: [compass_yaw]"),
+    ("pose-ned-frd", "odom", "errors: [ned_frd]"),
+    ("pose-z-down", "odom", "errors: [ned_world]"),
+    ("pose-left-handed", "odom", "errors: [left_handed]"),
+    ("pose-base-frd", "odom", "errors: [inverted]"),
+    ("pose-base-y-forward", "odom", "errors: [y_forward]"),
+    ("pose-base-backward", "odom", "errors: [backward]"),
+    ("pose-twist-in-world", "odom", "errors: [twist_in_world]"),
+    ("pose-twist-reversed", "odom", "errors: [twist_reversed]"),
+    ("pose-twist-xy-swapped", "odom", "errors: [twist_swapped]"),
+    ("pose-yaw-rate-negated", "odom", "errors: [twist_yaw_negated]"),
+    ("pose-covariance-degrees", "pose", "errors: [covariance_degrees]"),
+    (
+        "pose-covariance-centimetres",
+        "pose",
+        "errors: [covariance_centimetres]",
+    ),
+    ("pose-covariance-deviations", "pose", "errors: [covariance_std]"),
+    (
+        "pose-covariance-rotation-first",
+        "pose",
+        "errors: [covariance_rotation_first]",
+    ),
+    ("pose-covariance-in-body", "pose", "errors: [covariance_not_rotated]"),
+    (
+        "pose-twist-covariance-in-world",
+        "odom",
+        "errors: [twist_covariance_in_world]",
+    ),
+    ("pose-utm-grid", "pose", "errors: [utm_grid]"),
+    ("pose-utm", "pose", "errors: [utm]"),
+    ("pose-ecef", "pose", "errors: [ecef]"),
+    ("pose-degrees", "pose", "errors: [lat_lon_degrees]"),
+    ("pose-altitude-as-z", "pose", "errors: [altitude_as_z]"),
+    ("fix-swapped", "fix", "errors: [swapped]"),
+    ("fix-radians", "fix", "errors: [radians]"),
+    ("fix-e7", "fix", "errors: [e7]"),
+    ("fix-msl-altitude", "fix", "errors: [msl]"),
+    ("stamps-gps-time", "imu", "stamp_offset_s: 18"),
+    ("stamps-tai", "imu", "stamp_offset_s: 37"),
+    ("stamps-gps-epoch", "imu", "stamp_offset_s: -315964782"),
+    ("stamps-time-zone", "fix", "stamp_offset_s: 3600"),
+    ("stamps-zero", "imu", "stamp_s: 0"),
+    ("stamps-later", "imu", "late_s: 0.3"),
+    ("stamps-ahead", "fix", "stamp_offset_s: 0.3"),
+    ("stamps-behind", "imu", "stamp_offset_s: -0.3"),
+];
+
+/// Rule, subject and relation of a finding.
+type Told = (String, String, Option<String>);
+
+/// What a drive with this made in a stream is collected as.
+fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.mcap");
+    let mut recipe = recipe.to_owned();
+    for stream in ["imu", "odom", "pose", "map", "fix"] {
+        let knob = made.filter(|(of, _)| *of == stream);
+        recipe = recipe.replace(
+            &format!("@{stream}"),
+            &knob.map_or_else(String::new, |(_, knob)| format!(", {knob}")),
+        );
+    }
+    support::write(&recipe, &path);
+    let mut run = engine::collect(&Options {
+        paths: vec![path],
+        ..Options::default()
+    })
+    .unwrap();
+    let mut world = run.worlds.remove(0);
+    world.sources = run.sources.into();
+    world
+}
+
+fn told(world: &World, rules: &Rules) -> BTreeSet<Told> {
+    let folder = world.path(world.bags.first().unwrap().source).to_owned();
+    let findings = rules.judge(world).findings.into_iter();
+    findings
+        .map(|finding| {
+            let subject = finding.subject.replace(&folder, "drive");
+            (finding.rule.clone(), subject, finding.relation.clone())
+        })
+        .collect()
+}
+
+fn known(name: &str) -> &'static Fault {
+    faults::catalogue().find(|fault| fault.name == name).unwrap()
+}
+
+#[test]
+fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
+    let rules = Rules::select(&[]).unwrap();
+    let (mut same, mut differences, mut named) = (0, Vec::new(), 0);
+    for vehicle in ["car", "drone"] {
+        let recipe = DRIVE.replace("vehicle: car", &format!("vehicle: {vehicle}"));
+        let healthy = collected(&recipe, None);
+        eprintln!("{vehicle}, healthy: {:?}", told(&healthy, &rules));
+        if std::env::var("SHOW").is_ok() {
+            let before = told(&healthy, &rules);
+            for fault in faults::catalogue() {
+                for subject in fault.change.subjects(&healthy) {
+                    let mut altered = healthy.clone();
+                    if !fault.change.apply(&mut altered, &subject) {
+                        eprintln!("SHOW {vehicle} {} {}: no change", fault.name, subject.name);
+                        continue;
+                    }
+                    altered.absorb(Facts::default());
+                    let same = fault.change.same_as(&healthy, &subject);
+                    let verdict = rules.judge(&altered);
+                    let new = verdict.findings.iter().filter(|f| {
+                        let key = (
+                            f.rule.clone(),
+                            f.subject.replace(healthy.path(healthy.bags[0].source), "drive"),
+                            f.relation.clone(),
+                        );
+                        !before.contains(&key)
+                    });
+                    let new: Vec<_> = new
+                        .map(|f| {
+                            format!(
+                                "[{} {} {:?} {:?} {}] {}",
+                                if fault.is_named_by(f, &same) { "NAMES" } else { "shows" },
+                                f.rule,
+                                f.relation,
+                                f.confidence,
+                                f.subject,
+                                f.text().replace('\n', " / ")
+                            )
+                        })
+                        .collect();
+                    let rows: Vec<_> = verdict
+                        .rows
+                        .iter()
+                        .filter(|row| fault.is_seen_in(row) && subject.is_in(&row.subject))
+                        .map(|row| format!("{} {:?} {}", row.rule, row.outcome, row.reason.as_deref().unwrap_or("")))
+                        .collect();
+                    eprintln!(
+                        "SHOW {vehicle} {} {} same {same:?}: {new:#?} {rows:?}",
+                        fault.name, subject.name
+                    );
+                }
+            }
+        }
+        for (name, stream, knob) in MADE {
+            let fault = known(name);
+            let word = format!("`/{stream}`");
+            let subjects = fault.change.subjects(&healthy);
+            let subject = subjects.iter().find(|subject| subject.is_in(&word)).unwrap();
+            let mut altered = healthy.clone();
+            let is_applied = fault.change.apply(&mut altered, subject);
+            altered.absorb(Facts::default());
+            let truth = collected(&recipe, Some((stream, knob)));
+            let (ours, theirs) = (told(&altered, &rules), told(&truth, &rules));
+            let by_name = rules
+                .judge(&truth)
+                .findings
+                .iter()
+                .any(|finding| fault.is_named_by(finding, &fault.change.same_as(&healthy, subject)));
+            named += usize::from(by_name);
+            if ours == theirs {
+                same += 1;
+                eprintln!(
+                    "{vehicle} {name}: same, applied {is_applied}, named {by_name}, {} findings",
+                    ours.len()
+                );
+            } else {
+                let extra: Vec<_> = ours.difference(&theirs).collect();
+                let lacking: Vec<_> = theirs.difference(&ours).collect();
+                differences.push(format!(
+                    "{vehicle} {name} (applied {is_applied}): extra {extra:?}, lacking {lacking:?}"
+                ));
+            }
+        }
+    }
+    eprintln!(
+        "{same} of {} are judged alike, {named} are named",
+        same + differences.len()
+    );
+    assert!(differences.is_empty(), "{}", differences.join("\n"));
+}
