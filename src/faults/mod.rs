@@ -5,8 +5,10 @@
 
 mod cameras;
 mod clouds;
+mod literals;
 mod motion;
 mod mountings;
+mod restate;
 mod statements;
 mod subject;
 mod tree;
@@ -113,6 +115,7 @@ impl Fault {
 pub fn catalogue() -> impl Iterator<Item = &'static Fault> {
     let tables = [
         statements::FAULTS,
+        literals::FAULTS,
         mountings::FAULTS,
         clouds::FAULTS,
         cameras::FAULTS,

@@ -32,6 +32,8 @@ pub enum SubjectPlace {
         /// The name of the topic.
         topic: String,
     },
+    /// The camera with this number, that a file describes.
+    Camera(usize),
     /// A frame of the platform.
     Frame(FrameId),
 }
