@@ -379,7 +379,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Mounting::Related(Relation::TranslationLost),
         "The position of a mounting is missing: the sensor sits at the origin of the base.",
         ["translation-lost", "not-applied", "moved"],
-        ["identity"],
+        ["is mounted exactly at"],
         PLACE,
         GROUND
     ),

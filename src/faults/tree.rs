@@ -206,7 +206,8 @@ pub(super) static FAULTS: &[Fault] = &[
             "TF does not connect",
             "but not in TF",
             "but is the frame of",
-            "no message on `/tf_static`"
+            "missing from TF",
+            "but no latched transforms"
         ],
         ["TREE01", "TREE07", "TREE08", "TREE09"],
         TREE

@@ -34,6 +34,7 @@ mod dialects;
 mod diff;
 mod drives;
 mod evidence;
+mod faults_placed;
 mod fixes;
 mod formats;
 mod foxglove;
