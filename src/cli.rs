@@ -3,6 +3,7 @@
 //! Reads standard input for `-` and writes the files of `--output`. `main` prints the answer.
 
 mod args;
+mod assure;
 mod call;
 mod check;
 mod completions;
@@ -179,6 +180,7 @@ pub fn run_to(
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
         Verb::Chain(chain) => check::chain(chain, &arguments, stdin, surroundings),
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
+        Verb::Assure(asked) => assure::run(asked, stdin, surroundings),
         Verb::Diff(diff) => diff::run(&diff, surroundings),
         Verb::Init(init) => init::run(init, stdin, surroundings),
         Verb::View(view) => view::run(view, stdin, surroundings),

@@ -17,6 +17,7 @@
 
 pub(crate) mod advice;
 pub mod analysis;
+pub mod assure;
 pub mod cli;
 pub mod collect;
 pub mod compare;

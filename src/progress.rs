@@ -1,4 +1,4 @@
-//! The progress bar of reading, on stderr. Shown only on a terminal, after reading has taken a second.
+//! The progress bars of reading and of trials, on stderr. Shown only on a terminal, after reading has taken a second.
 //!
 //! Several inputs may be read at once: the bar shows their sum.
 
@@ -11,9 +11,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// Shorter runs show no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// The bar of reading.
+const READING: &str = "reading {wide_msg} {bar:24} {decimal_bytes}/{decimal_total_bytes}";
+/// The bar of trials.
+const TRYING: &str = "trying {wide_msg} {bar:24} {pos}/{len}";
+
 /// The progress of a run.
 #[derive(Debug)]
 pub struct Progress {
+    template: &'static str,
     state: Option<Mutex<State>>,
 }
 
@@ -36,13 +42,19 @@ pub struct Task<'a> {
 }
 
 impl Progress {
-    /// A bar if `enabled` and stderr is a terminal, nothing otherwise.
+    /// A bar of bytes read, if `enabled` and stderr is a terminal; nothing otherwise.
     pub fn new(enabled: bool) -> Self {
-        Self::when(enabled && std::io::stderr().is_terminal())
+        Self::when(enabled && std::io::stderr().is_terminal(), READING)
     }
 
-    fn when(shown: bool) -> Self {
+    /// The same for trials, whose tasks count them instead of bytes.
+    pub fn of_trials(enabled: bool) -> Self {
+        Self::when(enabled && std::io::stderr().is_terminal(), TRYING)
+    }
+
+    fn when(shown: bool, template: &'static str) -> Self {
         Self {
+            template,
             state: shown.then(|| {
                 Mutex::new(State {
                     since: Instant::now(),
@@ -92,21 +104,21 @@ impl Drop for Progress {
 }
 
 impl Task<'_> {
-    /// `bytes` of this input have been read. Backward steps are ignored; more than the total counts as the total.
-    pub fn update(&self, bytes: u64) {
+    /// `so_far` bytes of this input have been read. Backward steps are ignored; more than the total counts as the total.
+    pub fn update(&self, so_far: u64) {
         if self.progress.state.is_none() {
             return;
         }
         let more = {
             let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
-            let now = bytes.min(self.total).max(*done);
+            let now = so_far.min(self.total).max(*done);
             let more = now - *done;
             *done = now;
             more
         };
         self.progress.with(|state| {
             state.done += more;
-            state.draw(&self.name);
+            state.draw(self.progress.template, &self.name);
         });
     }
 
@@ -135,12 +147,10 @@ impl Progress {
 }
 
 impl State {
-    fn draw(&mut self, name: &str) {
+    fn draw(&mut self, template: &str, name: &str) {
         if self.bar.is_none() && self.since.elapsed() >= PATIENCE {
             let bar = ProgressBar::with_draw_target(Some(self.total), ProgressDrawTarget::stderr());
-            if let Ok(style) =
-                ProgressStyle::with_template("reading {wide_msg} {bar:24} {decimal_bytes}/{decimal_total_bytes}")
-            {
+            if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }
             self.bar = Some(bar);
@@ -167,7 +177,7 @@ mod tests {
     #[test]
     fn tasks_add_up_and_finish_by_themselves() {
         fn shared<T: Send + Sync>(_: &T) {}
-        let progress = Progress::when(true);
+        let progress = Progress::when(true, READING);
         let first = progress.start("a.mcap", 100);
         let second = progress.start("b.mcap", 10);
         shared(&progress);
@@ -183,7 +193,7 @@ mod tests {
 
     #[test]
     fn nothing_is_counted_where_nothing_is_shown() {
-        let progress = Progress::when(false);
+        let progress = Progress::when(false, READING);
         progress.start("a.mcap", 100).update(40);
         assert!(progress.state.is_none());
     }

@@ -16,7 +16,7 @@ use crate::engine;
 pub(super) use reading::ReadOptions;
 pub(super) use reporting::{Output, ReportOptions};
 
-use values::{Targets, is, rules, selectors, size, verbs, xacro_arg};
+use values::{Targets, is, mistakes, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -41,6 +41,11 @@ pub(super) struct Cli {
 pub(super) enum Verb {
     /// Check files and folders, and report findings
     Check(Check),
+    /// Show which known mistakes these data would have shown
+    ///
+    /// Puts each known mistake (an inverse extrinsic, a wrong quaternion order, a late clock, ...) into a copy of what was read, checks the
+    /// copy, and lists which mistakes would have been named, noticed or missed, and what to record so that they are found.
+    Assure(Assure),
     /// Compare two platforms or recordings: changed transforms, topics and clocks
     ///
     /// Where a known convention error (inverse, quaternion order, degrees, ...) explains a change, the error is named.
@@ -268,6 +273,56 @@ pub(super) struct Convert {
     /// Overwrite an existing file
     #[arg(long)]
     pub(super) force: bool,
+}
+
+const ASSURE_EXIT_CODES: &str = "\
+Exit codes:
+   0  mistakes were tried; how many were missed does not matter
+   2  wrong command line or configuration
+   3  no known mistake applies, or an input was not read in full
+  70  internal error: a bug in frames-lint";
+
+#[derive(Debug, Args)]
+#[command(after_help = ASSURE_EXIT_CODES)]
+pub(super) struct Assure {
+    /// Files and folders; `-` reads a list of paths from standard input (default: .)
+    ///
+    /// The list has one path per line, or NUL-separated paths (`git ls-files -z`). With --evidence there is no default.
+    #[arg(value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub(super) paths: Vec<PathBuf>,
+    /// Evidence file saved by `collect`; repeatable
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) evidence: Vec<PathBuf>,
+    /// Configuration for all inputs (default: each frames-lint.yaml, for its folder)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) config: Option<PathBuf>,
+    /// Mistakes to try: names or families, comma-separated (default: all)
+    #[arg(long, value_name = "MISTAKES", value_delimiter = ',', add = ArgValueCandidates::new(mistakes))]
+    pub(super) select: Vec<String>,
+    /// List the known mistakes, and try none
+    #[arg(long, conflicts_with_all = ["paths", "evidence"])]
+    pub(super) list: bool,
+    /// Format of the report
+    #[arg(long, value_enum, default_value = "text")]
+    pub(super) format: AssureFormat,
+    /// Show the mistakes that would have been named as well, without a limit on their number
+    #[arg(long)]
+    pub(super) all: bool,
+    /// Write the report to a file instead of standard output
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+    /// Overwrite an existing file that is not a report
+    #[arg(long)]
+    pub(super) force: bool,
+    #[command(flatten)]
+    pub(super) reading: ReadOptions,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum AssureFormat {
+    Text,
+    Json,
+    Markdown,
 }
 
 const DIFF_EXIT_CODES: &str = "\

@@ -63,13 +63,29 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// once.
 pub fn check_each(options: &Options, listener: &mut dyn FnMut(&Run, &RunUpdate)) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let setup = Setup {
-        options,
-        definitions: definitions(options)?,
-        governed: options
-            .timings
-            .of(Phase::Configure, "", || Configurations::new(options, &inputs))?,
+    let setup = Setup::new(options, &inputs)?;
+    check_with(&setup, inputs, listener)
+}
+
+/// Like [`check`], and returns every judged world with the rules that judged it.
+pub fn check_worlds(options: &Options) -> Result<(Run, Vec<(World, Rules)>), UsageError> {
+    let options = Options {
+        sights: Retention::Everything,
+        ..options.clone()
     };
+    let inputs = inputs(&options)?;
+    let setup = Setup::new(&options, &inputs)?;
+    let mut run = check_with(&setup, inputs, &mut |_, _| {})?;
+    let worlds = std::mem::take(&mut run.seen).into_iter().map(|world| {
+        let choice = &setup.governed.at(setup.governed.of(&world)).choice;
+        let rules = Rules(choice.without_plots());
+        (world, rules)
+    });
+    Ok((run, worlds.collect()))
+}
+
+fn check_with(setup: &Setup, inputs: Inputs, listener: &mut dyn FnMut(&Run, &RunUpdate)) -> Result<Run, UsageError> {
+    let options = setup.options;
     let files = setup.governed.files();
     let refused = options
         .outputs
@@ -94,11 +110,11 @@ pub fn check_each(options: &Options, listener: &mut dyn FnMut(&Run, &RunUpdate))
     };
     let in_saved = |saved: &SavedEvidence| sessions::of_worlds(&saved.worlds, &saved.sources).drives.len();
     if sessions.drives.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
-        let mut run = recordings::check(&setup, &inputs, &sessions, saved, listener)?;
+        let mut run = recordings::check(setup, &inputs, &sessions, saved, listener)?;
         setup.governed.note_idle(options, &mut run.sources);
         return Ok(run);
     }
-    let mut run = together(&setup, inputs, saved)?;
+    let mut run = together(setup, inputs, saved)?;
     setup.governed.note_idle(options, &mut run.sources);
     run.verdict.sort();
     listener(&run, &RunUpdate::all(&run));
@@ -110,6 +126,17 @@ struct Setup<'o> {
     options: &'o Options,
     governed: Configurations,
     definitions: Arc<Definitions>,
+}
+
+impl<'o> Setup<'o> {
+    fn new(options: &'o Options, inputs: &Inputs) -> Result<Self, UsageError> {
+        let configure = || Configurations::new(options, inputs);
+        Ok(Self {
+            options,
+            definitions: definitions(options)?,
+            governed: options.timings.of(Phase::Configure, "", configure)?,
+        })
+    }
 }
 
 impl Setup<'_> {
@@ -246,7 +273,18 @@ impl Rules {
 
     /// Judges a world. Nothing is read.
     pub fn judge(&self, world: &World) -> Verdict {
-        let mut verdict = judge::judge(world, &self.0.rules, &self.0.settings, None, &Timings::default());
+        self.judge_some(world, |_| true)
+    }
+
+    /// Judges a world with those of the rules whose code is wanted.
+    pub fn judge_some(&self, world: &World, is_wanted: impl Fn(&str) -> bool) -> Verdict {
+        let rules: Vec<_> = self
+            .0
+            .rules
+            .iter()
+            .filter(|rule| is_wanted(rule.entry.page.code))
+            .collect();
+        let mut verdict = judge::judge(world, rules, &self.0.settings, None, &Timings::default());
         verdict.sort();
         verdict
     }
@@ -262,11 +300,7 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
         ignore: Vec::new(),
         ..options.clone()
     };
-    let setup = Setup {
-        options: &all,
-        definitions: definitions(options)?,
-        governed: Configurations::new(&all, &inputs)?,
-    };
+    let setup = Setup::new(&all, &inputs)?;
     let (mut worlds, _, plan) = settle(&inputs, &setup, 0);
     let mut sources = take_sources(&mut worlds);
     plan.note(&mut sources);
@@ -296,11 +330,7 @@ fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(us
 /// Reads the inputs, without judging.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let setup = Setup {
-        options,
-        definitions: definitions(options)?,
-        governed: Configurations::new(options, &inputs)?,
-    };
+    let setup = Setup::new(options, &inputs)?;
     let progress = Progress::new(options.progress);
     let worlds = ReadContext::new(&inputs, &setup, &progress).worlds(&sampling::Plan::new(options.extent, &[]));
     Ok(Run {

@@ -1,5 +1,7 @@
 //! Which rules run: selection by code, name and family.
 
+use std::sync::Arc;
+
 use crate::analysis::Settings;
 use crate::config::Config;
 use crate::page::{Page, names_rule};
@@ -24,7 +26,21 @@ pub(super) struct Choice {
     /// The rules that run.
     pub(super) rules: Vec<EnabledRule>,
     /// The limits in force, including those of rules that do not run: estimates use them too.
-    pub(super) settings: Settings,
+    pub(super) settings: Arc<Settings>,
+}
+
+impl Choice {
+    /// The same rules and limits, without plots.
+    pub(super) fn without_plots(&self) -> Self {
+        let rules = self.rules.iter().map(|rule| EnabledRule {
+            overrides: rule.overrides.clone(),
+            ..EnabledRule::new(rule.entry)
+        });
+        Self {
+            rules: rules.collect(),
+            settings: Arc::clone(&self.settings),
+        }
+    }
 }
 
 fn settings(rules: &[EnabledRule]) -> Settings {
@@ -60,7 +76,7 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
         }
         ignore.extend(left_out.map(|(word, _)| word.clone()));
     }
-    let settings = settings(&all);
+    let settings = Arc::new(settings(&all));
     let rules: Vec<EnabledRule> = all
         .into_iter()
         .filter(|rule| select.is_empty() || select.iter().any(|word| matches(rule.entry.page, word)))

@@ -102,6 +102,12 @@ impl Fault {
         finding.confidence > Confidence::Hint && (by_relation || by_text())
     }
 
+    /// The codes of the rules that should see it.
+    pub fn seers(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let codes = self.seen_by.iter();
+        codes.map(|seen| seen.split_once(' ').map_or(*seen, |(code, _)| code))
+    }
+
     /// Whether a row is of a rule that should see the mistake.
     pub fn is_seen_in(&self, row: &Row) -> bool {
         self.seen_by.iter().any(|seen| {

@@ -38,12 +38,12 @@ macro_rules! relations {
             }
 
             /// The stable word of this relation, as used in reports and settings.
-            pub fn word(self) -> &'static str {
+            pub const fn word(self) -> &'static str {
                 match self { $(Relation::$name => $word,)* }
             }
 
             /// One plain sentence: which convention error this is.
-            pub fn describe(self) -> &'static str {
+            pub const fn describe(self) -> &'static str {
                 match self { $(Relation::$name => $sentence,)* }
             }
 

@@ -45,9 +45,9 @@ pub(super) struct Producer {
 }
 
 impl Producer {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(schema: &'static str) -> Self {
         Self {
-            schema: SCHEMA,
+            schema,
             tool: Tool {
                 name: env!("CARGO_PKG_NAME"),
                 version: env!("CARGO_PKG_VERSION"),
@@ -254,7 +254,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
 pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde_json::Error> {
     let locator = Locator::new(&run.sources);
     let document = Document {
-        made: Producer::new(),
+        made: Producer::new(SCHEMA),
         inputs: Rows {
             items: &run.sources,
             locator: &locator,

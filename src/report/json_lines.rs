@@ -26,7 +26,7 @@ fn line<T: Serialize>(kind: &'static str, part: T, out: &mut String) -> Result<(
 /// The first line.
 pub fn start() -> Result<String, serde_json::Error> {
     let mut out = String::new();
-    line("run", json::Producer::new(), &mut out)?;
+    line("run", json::Producer::new(json::SCHEMA), &mut out)?;
     Ok(out)
 }
 

@@ -163,7 +163,7 @@ fn not_evaluated(run: &Run, out: &mut String) {
 }
 
 /// A text inside a line: markup and pipes are escaped.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let text = single_ticks(&one_line(text));
     // In code spans only the pipe is special; an unpaired backtick opens none.
     let mut ticks = text.matches('`').count() / 2 * 2;
@@ -207,7 +207,7 @@ fn single_ticks(text: &str) -> String {
     text.chars().map(single).collect()
 }
 
-fn code(text: &str) -> String {
+pub(super) fn code(text: &str) -> String {
     let text = one_line(text).replace('|', "\\|");
     let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
     if longest == 0 {

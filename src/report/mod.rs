@@ -1,5 +1,6 @@
 //! Reports: verdicts, worlds and pages become words. Reads no file and judges nothing.
 
+pub mod assure;
 pub mod diff;
 pub mod explain;
 mod fingerprint;

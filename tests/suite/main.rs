@@ -16,6 +16,7 @@ mod support;
 mod targets;
 
 mod altered_evidence;
+mod assure;
 mod bad_input;
 mod bag;
 mod bag_content;

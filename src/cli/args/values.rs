@@ -9,6 +9,7 @@ use clap::{Arg, Command, CommandFactory, ValueEnum};
 use clap_complete::CompletionCandidate;
 use clap_complete::engine::{PathCompleter, ValueCompleter, complete_possible_values};
 
+use crate::faults::catalogue;
 use crate::report::Format;
 use crate::rules::RULES;
 use crate::run::FailOn;
@@ -34,6 +35,17 @@ pub(super) fn selectors() -> Vec<CompletionCandidate> {
         .into_iter()
         .map(CompletionCandidate::new)
         .chain(rules())
+        .collect()
+}
+
+/// The known mistakes and their families, for completion.
+pub(super) fn mistakes() -> Vec<CompletionCandidate> {
+    let families: BTreeSet<&str> = catalogue().map(|fault| fault.family.word()).collect();
+    let names = catalogue().map(|fault| CompletionCandidate::new(fault.name).help(Some(fault.sentence.into())));
+    families
+        .into_iter()
+        .map(CompletionCandidate::new)
+        .chain(names)
         .collect()
 }
 

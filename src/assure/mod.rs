@@ -1,0 +1,265 @@
+//! Which mistakes would these data have shown?
+//!
+//! Every known mistake is put into every subject that can have it, in a copy of what was read, and the copy is judged with the rules of
+//! the run. Nothing altered reaches the run itself. Does not know which rules or mistakes exist.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::engine::Rules;
+use crate::faults::{Fault, Subject};
+use crate::progress::Progress;
+use crate::source::Confidence;
+use crate::verdict::{Deference, Finding, Measured, Outcome, Row, Verdict};
+use crate::world::World;
+
+/// What became of a mistake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TrialOutcome {
+    /// No new finding shows it.
+    Missed,
+    /// A new finding shows it, and does not name it.
+    Noticed,
+    /// A new finding names it.
+    Named,
+    /// The data already have the finding that would name it.
+    Present,
+}
+
+impl TrialOutcome {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Missed => "missed",
+            Self::Noticed => "noticed",
+            Self::Named => "named",
+            Self::Present => "present",
+        }
+    }
+}
+
+/// One mistake, put into one subject.
+#[derive(Clone)]
+pub struct Trial {
+    /// The mistake.
+    pub fault: &'static Fault,
+    /// The name of the platform; empty if there is only one.
+    pub platform: String,
+    /// The name of the subject.
+    pub subject: String,
+    /// What became of it.
+    pub outcome: TrialOutcome,
+    /// The rules with a new finding; the one that names it first.
+    pub rules: Vec<String>,
+    /// The relation of the first of these findings.
+    pub relation: Option<String>,
+    /// If it was missed: what the rules that should see it say.
+    pub reason: Option<String>,
+}
+
+/// The trials of a run.
+#[derive(Clone, Default)]
+pub struct Assurance {
+    /// One for each mistake and subject, in the order of the platforms, the mistakes and the subjects.
+    pub trials: Vec<Trial>,
+    /// Mistakes that nothing in the data can have.
+    pub inapplicable: Vec<&'static Fault>,
+}
+
+impl Assurance {
+    /// The number of trials with this outcome.
+    pub fn count(&self, outcome: TrialOutcome) -> usize {
+        self.trials.iter().filter(|trial| trial.outcome == outcome).count()
+    }
+}
+
+/// Tries these mistakes on judged worlds.
+pub fn assure(worlds: &[(World, Rules)], faults: &[&'static Fault], progress: &Progress) -> Assurance {
+    let platforms: Vec<Platform> = worlds
+        .iter()
+        .map(|(world, rules)| Platform::new(world, rules))
+        .collect();
+    let pairs = platforms
+        .iter()
+        .flat_map(|platform| faults.iter().map(move |fault| (platform, *fault)));
+    let trials: Vec<(&Platform, &'static Fault, Subject)> = pairs
+        .flat_map(|(platform, fault)| {
+            let subjects = fault.change.subjects(platform.world).into_iter();
+            subjects.map(move |subject| (platform, fault, subject))
+        })
+        .collect();
+    let task = progress.start("known mistakes", trials.len() as u64);
+    let done = AtomicU64::new(0);
+    let tried: Vec<Option<Trial>> = trials
+        .into_par_iter()
+        .map(|(platform, fault, subject)| {
+            let mut trial = platform.try_one(fault, &subject);
+            if let (Some(trial), true) = (&mut trial, worlds.len() > 1) {
+                trial.platform.clone_from(&platform.world.label);
+            }
+            task.update(done.fetch_add(1, Ordering::Relaxed) + 1);
+            trial
+        })
+        .collect();
+    let trials: Vec<Trial> = tried.into_iter().flatten().collect();
+    let applied: BTreeSet<&str> = trials.iter().map(|trial| trial.fault.name).collect();
+    let inapplicable = faults.iter().copied().filter(|fault| !applied.contains(fault.name));
+    Assurance {
+        inapplicable: inapplicable.collect(),
+        trials,
+    }
+}
+
+/// A finding, whatever its numbers.
+type Key = (String, String, Option<String>);
+
+fn key(finding: &Finding) -> Key {
+    (finding.rule.clone(), finding.subject.clone(), finding.relation.clone())
+}
+
+/// A platform, and what is found without a mistake.
+struct Platform<'w> {
+    world: &'w World,
+    rules: &'w Rules,
+    healthy: Verdict,
+    /// What these rules alone find without a mistake.
+    healthy_of: Mutex<BTreeMap<Vec<&'static str>, Arc<Vec<Key>>>>,
+}
+
+impl<'w> Platform<'w> {
+    fn new(world: &'w World, rules: &'w Rules) -> Self {
+        Self {
+            world,
+            rules,
+            healthy: rules.judge(world),
+            healthy_of: Mutex::default(),
+        }
+    }
+
+    /// Puts a mistake into a subject; none if that changes nothing.
+    fn try_one(&self, fault: &'static Fault, subject: &Subject) -> Option<Trial> {
+        let mut world = self.world.clone();
+        if !fault.change.apply(&mut world, subject) {
+            return None;
+        }
+        world.forget();
+        let same = fault.change.same_as(self.world, subject);
+        let trial = |outcome, findings: &[&Finding], reason| {
+            let mut rules: Vec<String> = findings.iter().map(|finding| finding.rule.clone()).collect();
+            let mut seen = BTreeSet::new();
+            rules.retain(|rule| seen.insert(rule.clone()));
+            Trial {
+                fault,
+                platform: String::new(),
+                subject: subject.name.clone(),
+                outcome,
+                rules,
+                relation: findings.first().and_then(|finding| finding.relation.clone()),
+                reason,
+            }
+        };
+        // The rules that should see it, first: judging with all of them takes longer, and may only hide a finding behind another.
+        let first = self
+            .rules
+            .judge_some(&world, |code| fault.seers().any(|seer| seer == code));
+        let new = new_findings(&self.healthy_of(fault), &first);
+        let is_final = |finding: &&&Finding| {
+            fault.is_named_by(finding, &same) && finding.unless.iter().all(|deference| is_among(deference, fault))
+        };
+        if let Some(named) = new.iter().find(is_final) {
+            return Some(trial(TrialOutcome::Named, &[*named], None));
+        }
+        let altered = self.rules.judge(&world);
+        let healthy: Vec<Key> = self.healthy.findings.iter().map(key).collect();
+        let mut new = new_findings(&healthy, &altered);
+        new.retain(|finding| finding.confidence > Confidence::Hint);
+        new.sort_by_key(|finding| !fault.is_named_by(finding, &same));
+        if new.first().is_some_and(|finding| fault.is_named_by(finding, &same)) {
+            return Some(trial(TrialOutcome::Named, &new, None));
+        }
+        if !new.is_empty() {
+            return Some(trial(TrialOutcome::Noticed, &new, None));
+        }
+        let findings = self.healthy.findings.iter();
+        let present = findings.filter(|finding| subject.is_in(&finding.subject) && fault.is_named_by(finding, &same));
+        let present: Vec<&Finding> = present.collect();
+        if !present.is_empty() {
+            return Some(trial(TrialOutcome::Present, &present, None));
+        }
+        Some(trial(TrialOutcome::Missed, &[], Some(reason(fault, subject, &altered))))
+    }
+
+    /// What the rules that should see a mistake find without it.
+    fn healthy_of(&self, fault: &Fault) -> Arc<Vec<Key>> {
+        let seers: Vec<&'static str> = fault.seers().collect();
+        let mut known = self.healthy_of.lock().unwrap_or_else(PoisonError::into_inner);
+        let made = known.entry(seers).or_insert_with(|| {
+            let verdict = self
+                .rules
+                .judge_some(self.world, |code| fault.seers().any(|seer| seer == code));
+            Arc::new(verdict.findings.iter().map(key).collect())
+        });
+        Arc::clone(made)
+    }
+}
+
+/// Whether a finding defers only to rules that should see the mistake.
+fn is_among(deference: &Deference, fault: &Fault) -> bool {
+    match deference {
+        Deference::Rule(code) | Deference::Relation(code) | Deference::About(code, _) => {
+            fault.seers().any(|seer| seer == code.as_str())
+        }
+        Deference::CauseOf(_) => true,
+    }
+}
+
+/// Findings that are not among those without the mistake.
+fn new_findings<'v>(healthy: &[Key], altered: &'v Verdict) -> Vec<&'v Finding> {
+    let mut known: BTreeMap<&Key, usize> = BTreeMap::new();
+    for key in healthy {
+        *known.entry(key).or_default() += 1;
+    }
+    let is_new = |finding: &&Finding| match known.get_mut(&key(finding)) {
+        Some(count) if *count > 0 => {
+            *count -= 1;
+            false
+        }
+        _ => true,
+    };
+    altered.findings.iter().filter(is_new).collect()
+}
+
+/// Why a mistake was missed: what the rules that should see it say about the subject, else the first of them about the platform.
+fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
+    let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| fault.is_seen_in(row)).collect();
+    rows.sort_by_key(|row| fault.seers().position(|seer| seer == row.rule));
+    let first = fault.seers().next().unwrap_or_default();
+    let about = |outcome| move |row: &&&Row| row.outcome == outcome && subject.is_in(&row.subject);
+    let of_platform =
+        |row: &&&Row| row.rule == first && row.outcome == Outcome::NotEvaluated && row.subject == "platform";
+    let mut candidates = rows
+        .iter()
+        .filter(about(Outcome::Pass))
+        .chain(rows.iter().filter(about(Outcome::NotEvaluated)))
+        .chain(rows.iter().filter(of_platform));
+    match candidates.next() {
+        Some(row) if row.outcome == Outcome::Pass => {
+            let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
+            format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
+        }
+        Some(row) => format!(
+            "{} of {}: {}",
+            row.rule,
+            row.subject,
+            row.reason.as_deref().unwrap_or_default()
+        ),
+        None => format!("{first} judged nothing about it"),
+    }
+}
+
+fn in_words(measured: &Measured) -> String {
+    format!("{} {:.3} {}", measured.what, measured.value, measured.unit)
+}

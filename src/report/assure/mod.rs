@@ -1,0 +1,280 @@
+//! Which mistakes the data would have shown: for people, as JSON and as Markdown. Blind spots come first.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::assure::{Assurance, Trial, TrialOutcome};
+use crate::faults::{Fault, catalogue};
+use crate::visible::pretty_json;
+
+use super::json::Producer;
+use super::markdown::{code, escaped};
+use super::style::{Ink, Style};
+use super::text::{list, one_line, plural, wrap};
+
+/// Name of the document's schema.
+pub const SCHEMA: &str = "frames-lint-assure/1";
+
+/// Maximum number of groups of one outcome in a text.
+const MAX_GROUPS: usize = 60;
+
+/// Mistakes with the same outcome for the same reason, and the subjects that they were tried on.
+struct Group<'a> {
+    first: &'a Trial,
+    faults: Vec<&'static str>,
+    subjects: Vec<String>,
+}
+
+impl<'a> Group<'a> {
+    /// The trials with this outcome, in the order of the first of each group.
+    fn of(assurance: &'a Assurance, outcome: TrialOutcome) -> Vec<Self> {
+        let mut by_subject: Vec<Self> = Vec::new();
+        let mut numbers = BTreeMap::new();
+        for trial in assurance.trials.iter().filter(|trial| trial.outcome == outcome) {
+            let name = subject(trial);
+            let number = *numbers.entry((name.clone(), why(trial))).or_insert_with(|| {
+                by_subject.push(Self {
+                    first: trial,
+                    faults: Vec::new(),
+                    subjects: vec![name],
+                });
+                by_subject.len() - 1
+            });
+            let group = by_subject.get_mut(number);
+            group.into_iter().for_each(|group| group.faults.push(trial.fault.name));
+        }
+        let mut groups: Vec<Self> = Vec::new();
+        for one in by_subject {
+            let is_same = |group: &&mut Self| (why(group.first), &group.faults) == (why(one.first), &one.faults);
+            match groups.iter_mut().find(is_same) {
+                Some(group) => group.subjects.extend(one.subjects),
+                None => groups.push(one),
+            }
+        }
+        groups
+    }
+
+    fn subjects(&self) -> String {
+        self.subjects.join("; ")
+    }
+
+    /// The mistakes, and how many there are of them if that is not plain to see.
+    fn faults(&self) -> String {
+        let names = self.faults.join(", ");
+        match self.faults.len() {
+            count if count > 3 => format!("{count} mistakes: {names}"),
+            _ => names,
+        }
+    }
+}
+
+/// What trials of one group have in common.
+fn why(trial: &Trial) -> (Option<&str>, &[String], &str) {
+    (trial.reason.as_deref(), &trial.rules, trial.fault.record)
+}
+
+/// A subject, with its platform where there are several.
+fn subject(trial: &Trial) -> String {
+    if trial.platform.is_empty() {
+        trial.subject.clone()
+    } else {
+        format!("{}: {}", trial.platform, trial.subject)
+    }
+}
+
+/// The outcomes in the order of a report, with a title.
+const SECTIONS: [(TrialOutcome, &str); 4] = [
+    (
+        TrialOutcome::Missed,
+        "Missed: no finding would have shown these mistakes",
+    ),
+    (
+        TrialOutcome::Noticed,
+        "Noticed: a finding would have shown them, without their name",
+    ),
+    (
+        TrialOutcome::Present,
+        "Present: the data already have the finding that would name them",
+    ),
+    (TrialOutcome::Named, "Named: a finding would have named them"),
+];
+
+/// For people. `all`: with the mistakes that would have been named.
+pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
+    let mut out = String::new();
+    for (outcome, title) in SECTIONS {
+        let groups = Group::of(assurance, outcome);
+        if groups.is_empty() || outcome == TrialOutcome::Named && !all {
+            continue;
+        }
+        let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
+        let most = if all { groups.len() } else { MAX_GROUPS };
+        for group in groups.iter().take(most) {
+            let _ = writeln!(out, "{}", wrap(&one_line(&group.subjects()), style.width, "  ", "    "));
+            let mut line = |text: &str| {
+                let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
+            };
+            line(&group.faults());
+            if let Some(reason) = &group.first.reason {
+                line(&format!("why: {reason}"));
+                line(&format!("record or add: {}", group.first.fault.record));
+            } else {
+                line(&format!("by {}", list(&group.first.rules)));
+            }
+        }
+        if groups.len() > most {
+            let _ = writeln!(
+                out,
+                "  ... and {} (--all shows them)",
+                plural(groups.len() - most, "more group")
+            );
+        }
+        out.push('\n');
+    }
+    let ink = if assurance.count(TrialOutcome::Missed) > 0 || assurance.trials.is_empty() {
+        Ink::Warning
+    } else {
+        Ink::Good
+    };
+    let _ = writeln!(out, "{}", style.paint(ink, &totals(assurance)));
+    out
+}
+
+/// The totals in one sentence.
+fn totals(assurance: &Assurance) -> String {
+    let inapplicable = assurance.inapplicable.len();
+    if assurance.trials.is_empty() {
+        return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
+    }
+    let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+    let present = if present > 0 {
+        format!(", {present} already present")
+    } else {
+        String::new()
+    };
+    format!(
+        "Of {} that apply: {named} named, {noticed} noticed, {missed} missed{present}. {} of the catalogue apply to nothing here.",
+        plural(assurance.trials.len(), "mistake"),
+        inapplicable
+    )
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    made: Producer,
+    faults: Vec<TrialRow<'a>>,
+    inapplicable: Vec<&'a str>,
+    summary: Counts,
+}
+
+#[derive(Serialize)]
+struct TrialRow<'a> {
+    fault: &'a str,
+    family: &'static str,
+    sentence: &'a str,
+    platform: Option<&'a str>,
+    subject: &'a str,
+    outcome: &'static str,
+    rules: &'a [String],
+    relation: Option<&'a str>,
+    reason: Option<&'a str>,
+    record: Option<&'a str>,
+}
+
+impl<'a> TrialRow<'a> {
+    fn of(trial: &'a Trial) -> Self {
+        Self {
+            fault: trial.fault.name,
+            family: trial.fault.family.word(),
+            sentence: trial.fault.sentence,
+            platform: Some(trial.platform.as_str()).filter(|platform| !platform.is_empty()),
+            subject: &trial.subject,
+            outcome: trial.outcome.word(),
+            rules: &trial.rules,
+            relation: trial.relation.as_deref(),
+            reason: trial.reason.as_deref(),
+            record: (trial.outcome == TrialOutcome::Missed).then_some(trial.fault.record),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Counts {
+    tried: usize,
+    named: usize,
+    noticed: usize,
+    missed: usize,
+    present: usize,
+    inapplicable: usize,
+}
+
+/// One document, described by `schema/frames-lint-assure-1.json`.
+pub fn json(assurance: &Assurance) -> Result<String, serde_json::Error> {
+    let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+    pretty_json(&Document {
+        made: Producer::new(SCHEMA),
+        faults: assurance.trials.iter().map(TrialRow::of).collect(),
+        inapplicable: assurance.inapplicable.iter().map(|fault| fault.name).collect(),
+        summary: Counts {
+            tried: assurance.trials.len(),
+            named,
+            noticed,
+            missed,
+            present,
+            inapplicable: assurance.inapplicable.len(),
+        },
+    })
+}
+
+/// For comments and job summaries.
+pub fn markdown(assurance: &Assurance) -> String {
+    let mut out = format!("## frames-lint assure\n\n{}\n", escaped(&totals(assurance)));
+    for (outcome, title) in SECTIONS {
+        let groups = Group::of(assurance, outcome);
+        if groups.is_empty() {
+            continue;
+        }
+        let is_missed = outcome == TrialOutcome::Missed;
+        let (open, close) = if is_missed {
+            (format!("\n### {title}\n\n"), "")
+        } else {
+            (format!("\n<details><summary>{title}</summary>\n\n"), "\n</details>\n")
+        };
+        out.push_str(&open);
+        out.push_str(if is_missed {
+            "| subject | mistakes | why | record or add |\n|---|---|---|---|\n"
+        } else {
+            "| subject | mistakes | rules |\n|---|---|---|\n"
+        });
+        for group in groups {
+            let faults: Vec<String> = group.faults.iter().map(|name| code(name)).collect();
+            let _ = write!(out, "| {} | {} |", escaped(&group.subjects()), faults.join(", "));
+            let _ = match &group.first.reason {
+                Some(reason) => writeln!(out, " {} | {} |", escaped(reason), escaped(group.first.fault.record)),
+                None => writeln!(out, " {} |", escaped(&list(&group.first.rules))),
+            };
+        }
+        out.push_str(close);
+    }
+    out
+}
+
+/// The catalogue of mistakes, for people: a line each, by family.
+pub fn list_text(faults: &[&Fault], style: Style) -> String {
+    let mut out = String::new();
+    let mut family = None;
+    for fault in faults {
+        if family != Some(fault.family) {
+            let gap = if family.is_some() { "\n" } else { "" };
+            let _ = writeln!(out, "{gap}{}", style.paint(Ink::Strong, fault.family.word()));
+            family = Some(fault.family);
+        }
+        let line = format!("{}: {}", fault.name, fault.sentence);
+        let _ = writeln!(out, "{}", wrap(&line, style.width, "  ", "    "));
+    }
+    let _ = writeln!(out, "\n{} of {}.", plural(faults.len(), "mistake"), catalogue().count());
+    out
+}
