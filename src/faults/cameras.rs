@@ -46,7 +46,7 @@ impl Change for Optical {
     fn same_as(&self, world: &World, subject: &Subject) -> Vec<&'static str> {
         let truth = mountings::pose_at(world, &subject.at);
         let both = truth.and_then(|truth| Some((truth, self.held(&truth)?)));
-        both.map_or_else(Vec::new, |(truth, held)| restate::names_of(&truth, &held))
+        both.map_or_else(Vec::new, |(truth, held)| restate::relations_between(&truth, &held))
     }
 }
 
@@ -148,13 +148,22 @@ fn halve(camera: &mut CameraModel) -> bool {
     camera.size.iter().all(|pixels| *pixels > 0)
 }
 
-/// Exchanges two numbers of K that differ by more than a tenth.
-fn exchange(camera: &mut CameraModel, [a, b]: [usize; 2]) -> bool {
-    let (Some(x), Some(y)) = (camera.k.get(a).copied(), camera.k.get(b).copied()) else {
-        return false;
-    };
-    camera.k.swap(a, b);
-    (x - y).abs() > 0.1 * x.abs().max(y.abs())
+/// Exchanges cx and cy of K and P, where they differ by more than a tenth.
+fn exchange_centre(camera: &mut CameraModel) -> bool {
+    let [_, _, cx, _, _, cy, ..] = camera.k;
+    camera.k.swap(2, 5);
+    camera.p.swap(2, 6);
+    (cx - cy).abs() > 0.1 * cx.abs().max(cy.abs())
+}
+
+/// Writes the focal lengths of K and P in millimetres: with pixels of 4 um.
+fn in_millimetres(camera: &mut CameraModel) -> bool {
+    let [fx, _, _, _, fy, ..] = &mut camera.k;
+    let [px, _, _, _, _, py, ..] = &mut camera.p;
+    for focal in [&mut *fx, fy, px, py] {
+        *focal *= 0.004;
+    }
+    *fx != 0.0
 }
 
 /// Writes K column by column.
@@ -392,7 +401,7 @@ pub(super) static FAULTS: &[Fault] = &[
     camera!(
         "camera-centre-swapped",
         Intrinsics {
-            change: |camera| exchange(camera, [2, 5]),
+            change: exchange_centre,
             shrinks: 1
         },
         "cx and cy of K are exchanged.",
@@ -416,11 +425,7 @@ pub(super) static FAULTS: &[Fault] = &[
     camera!(
         "camera-focal-millimetres",
         Intrinsics {
-            change: |camera| {
-                camera.k[0] *= 0.004;
-                camera.k[4] *= 0.004;
-                camera.k[0] != 0.0
-            },
+            change: in_millimetres,
             shrinks: 1
         },
         "The focal length of K is in millimetres, and not in pixels.",

@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion};
 
-use crate::math::rotation::{self, from_rpy};
+use crate::math::rotation;
 use crate::world::bag::{TfEdge, TfFault};
 use crate::world::{Claim, ClaimKind, Pose, Spelling, World};
 
@@ -52,7 +52,7 @@ impl Change for Written {
         let claim = world.claims.get(number);
         let both = claim.and_then(|claim| Some((claim.pose?, read(&(self.claim)(claim)?, &claim.pose?)?)));
         both.map_or_else(Vec::new, |(truth, held)| {
-            restate::names_of(&truth.isometry(), &held.isometry())
+            restate::relations_between(&truth.isometry(), &held.isometry())
         })
     }
 }
@@ -84,15 +84,12 @@ pub(super) fn of_edge([bag, edge]: [usize; 2], of: &TfEdge) -> Subject {
 
 /// Writes other numbers into a claim.
 fn rewrite(world: &mut World, number: usize, change: fn(&Claim) -> Option<Spelling>) -> bool {
-    let Some(claim) = world.claims.get_mut(number) else {
-        return false;
-    };
-    let Some((spelling, truth)) = change(claim).zip(claim.pose) else {
+    let claim = world.claims.get(number);
+    let Some((spelling, truth)) = claim.and_then(|claim| change(claim).zip(claim.pose)) else {
         return false;
     };
     let pose = read(&spelling, &truth);
-    restate::respell(claim, spelling, pose);
-    restate::joint(world, number);
+    restate::respell_claim(world, number, spelling, pose);
     world.forget();
     true
 }
@@ -100,15 +97,8 @@ fn rewrite(world: &mut World, number: usize, change: fn(&Claim) -> Option<Spelli
 /// The pose that a reader makes of a spelling; the translation of a rotation alone is that of the true pose.
 fn read(spelling: &Spelling, truth: &Pose) -> Option<Pose> {
     match spelling {
-        Spelling::Rpy {
-            xyz,
-            rpy: [roll, pitch, yaw],
-        } => {
-            let turn = from_rpy(*roll, *pitch, *yaw).coords;
-            Pose::from_raw(*xyz, [turn.x, turn.y, turn.z, turn.w])
-        }
         Spelling::Quaternion { xyz, xyzw, .. } => Pose::from_raw(*xyz, *xyzw),
-        Spelling::Translation { xyz } => Pose::from_raw(*xyz, Pose::IDENTITY.rotation_xyzw),
+        Spelling::Rpy { .. } | Spelling::Translation { .. } => Some(*truth),
         Spelling::Matrix { rows, cols, values } => {
             let at = |row: usize, col: usize| values.get(row * cols + col).copied().unwrap_or(f64::NAN);
             let turn = Matrix3::from_fn(at);
@@ -199,23 +189,6 @@ fn quaternion(claim: &Claim, factor: f64) -> Option<Spelling> {
     }
 }
 
-/// The angles as written, in degrees: a joint that says 0 says the same in both.
-fn degrees(claim: &Claim) -> Option<Spelling> {
-    match &claim.spelling {
-        // A file that declares degrees cannot have this mistake.
-        Spelling::Rpy { xyz, rpy } if is_in_radians(claim, rpy) && rpy.iter().any(|angle| angle.abs() > 1e-3) => {
-            let rpy = rpy.map(|angle| (angle.to_degrees() * 1e6).round() * 1e-6);
-            Some(Spelling::Rpy { xyz: *xyz, rpy })
-        }
-        _ => None,
-    }
-}
-
-fn is_in_radians(claim: &Claim, rpy: &[f64; 3]) -> bool {
-    let mut pairs = claim.rotation_literals.iter().zip(rpy);
-    pairs.all(|(literal, angle)| (literal.value - angle).abs() <= 1e-9)
-}
-
 /// A mistake in numbers.
 macro_rules! written {
     ($name:literal, $claim:expr, $edge:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:literal) => {
@@ -273,16 +246,6 @@ pub(super) static FAULTS: &[Fault] = &[
         ["not 0 0 0 1"],
         ["ROT03"],
         "all four rows of the matrix in the file"
-    ),
-    written!(
-        "angles-in-degrees",
-        degrees,
-        None,
-        "Roll, pitch and yaw are written in degrees where radians are read.",
-        ["degrees"],
-        ["are probably degrees"],
-        ["ROT08", "CROSS02"],
-        "a second statement of the transform: the URDF, /tf_static or a calibration file"
     ),
     written!(
         "quaternion-not-normalised",

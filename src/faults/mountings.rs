@@ -65,7 +65,7 @@ impl Change for Mounting {
     fn same_as(&self, world: &World, subject: &Subject) -> Vec<&'static str> {
         let truth = pose_at(world, &subject.at);
         let both = truth.and_then(|truth| Some((truth, self.held(&truth)?)));
-        both.map_or_else(Vec::new, |(truth, held)| restate::names_of(&truth, &held))
+        both.map_or_else(Vec::new, |(truth, held)| restate::relations_between(&truth, &held))
     }
 }
 
@@ -111,18 +111,22 @@ pub(super) fn remount(
         .filter(is_it)
         .map(|edge| edge.origin)
         .collect();
-    let mut has_changed = false;
+    let Some(held) = change(&truth).filter(|held| !restate::is_same(&truth, held)) else {
+        return false;
+    };
     for origin in stated {
-        has_changed |= match origin {
-            EdgeOrigin::Joint(claim) | EdgeOrigin::Published(claim) => restate::claim(world, claim, &change),
+        match origin {
+            EdgeOrigin::Joint(claim) | EdgeOrigin::Published(claim) => restate::restate_claim(world, claim, &held),
             EdgeOrigin::Tf(bag, edge) => {
                 let edge = world.bags.get_mut(bag).and_then(|bag| bag.tf.get_mut(edge));
-                edge.is_some_and(|edge| restate::edge(edge, &change))
+                if let Some(edge) = edge {
+                    restate::restate_edge(edge, &held);
+                }
             }
-        };
+        }
     }
     world.forget();
-    has_changed
+    true
 }
 
 /// A mounting with the sensors that it carries.
@@ -272,6 +276,7 @@ const PLACE: [&str; 4] = ["AXES09", "CROSS05", "ROT07", "CROSS02"];
 
 const GROUND: &str =
     "flat ground in view of the lidar, or a second statement of the transform: the URDF or a calibration file";
+const HEIGHT: &str = "flat ground in view of the lidar, and base_footprint on the ground in /tf_static or the URDF; or a second statement of the transform";
 const DRIVE: &str = "30 s of driving with turns, with this sensor and odometry";
 const SECOND: &str = "a second statement of the transform: the URDF, /tf_static or a calibration file";
 
@@ -372,7 +377,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["translation-negated", "z-sign", "moved"],
         [],
         PLACE,
-        GROUND
+        HEIGHT
     ),
     mounting!(
         "mounting-translation-lost",
@@ -381,7 +386,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["translation-lost", "not-applied", "moved"],
         ["is mounted exactly at"],
         PLACE,
-        GROUND
+        HEIGHT
     ),
     mounting!(
         "mounting-rotation-lost",
@@ -401,7 +406,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["not-applied"],
         ["its transform has no such height"],
         ["AXES09", "CROSS01"],
-        GROUND
+        HEIGHT
     ),
     mounting!(
         "mounting-millimetres",

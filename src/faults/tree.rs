@@ -236,19 +236,21 @@ pub(super) static FAULTS: &[Fault] = &[
         ["TREE04"],
         TREE
     ),
-    tree!(
-        "frame-parent-child",
-        TfMistake::Exchanged,
-        "Parent and child of a transform are exchanged.",
-        [
+    Fault {
+        family: Family::Tree,
+        name: "frame-parent-child",
+        sentence: "Parent and child of a transform are exchanged.",
+        change: &TfMistake::Exchanged,
+        relations: &["inverse"],
+        texts: &[
             "is the parent of `",
             "parents in TF",
             "changes its parent",
-            "REP-105 requires"
+            "REP-105 requires",
         ],
-        ["TREE06", "TREE02", "CROSS06"],
-        TREE
-    ),
+        seen_by: &["TREE06", "TREE02", "CROSS02", "CROSS06"],
+        record: TREE,
+    },
     tree!(
         "joint-missing",
         JointMistake::Missing,
