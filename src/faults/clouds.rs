@@ -1,6 +1,322 @@
-//! Mistakes of point clouds.
+//! Mistakes of point clouds: their axes, their unit, and the times of their points.
+//!
+//! The evidence has a part of the clouds with a part of their points, and of every cloud of a run the points near the plane of its x
+//! and y. A change that keeps this plane changes all of that as the same clouds would be collected. One that turns the plane cuts
+//! the new one from the points that are kept: of clouds without kept points nothing is left in it. Rows and columns stay.
 
-use super::Fault;
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+use crate::world::cloud::{CloudEvidence, CloudSample, CloudSlice, PlaneCut, PointTimes};
+
+use super::{Change, Family, Fault, Subject, SubjectPlace};
+
+/// A mistake of a cloud: which clouds can have it, and how it changes them. False where that changes nothing.
+struct Cloud {
+    has: fn(&World, &TopicEvidence, &CloudEvidence) -> bool,
+    change: fn(&mut TopicEvidence) -> bool,
+}
+
+impl Change for Cloud {
+    fn subjects(&self, world: &World) -> Vec<Subject> {
+        let mut subjects = Vec::new();
+        for (bag, evidence) in world.bags.iter().enumerate() {
+            for topic in evidence.topics.values() {
+                let clouds = topic.content.clouds.as_ref().filter(|clouds| is_seen(topic, clouds));
+                if clouds.is_some_and(|clouds| (self.has)(world, topic, clouds)) {
+                    subjects.push(subject(bag, topic));
+                }
+            }
+        }
+        subjects
+    }
+
+    fn apply(&self, world: &mut World, subject: &Subject) -> bool {
+        let SubjectPlace::Topic { bag, topic } = &subject.at else {
+            return false;
+        };
+        let topic = world.bags.get_mut(*bag).and_then(|bag| bag.topics.get_mut(topic));
+        topic.is_some_and(self.change)
+    }
+}
+
+/// Whether points of a lidar or a camera are seen; those of a radar have mistakes of their own.
+fn is_seen(topic: &TopicEvidence, clouds: &CloudEvidence) -> bool {
+    topic.content.radar.is_none() && clouds.samples.iter().any(|sample| !sample.points.is_empty())
+}
+
+fn subject(bag: usize, topic: &TopicEvidence) -> Subject {
+    Subject {
+        name: format!("topic `{}`", topic.topic),
+        words: vec![format!("`{}`", topic.topic)],
+        at: SubjectPlace::Topic {
+            bag,
+            topic: topic.topic.clone(),
+        },
+    }
+}
+
+fn any(_: &World, _: &TopicEvidence, _: &CloudEvidence) -> bool {
+    true
+}
+
+fn timed(_: &World, _: &TopicEvidence, clouds: &CloudEvidence) -> bool {
+    let mut times = clouds.samples.iter().filter_map(|sample| sample.times.as_ref());
+    times.any(|times| times.distinct > 2)
+}
+
+/// Whether the clouds are those of an Ouster, by the fields of their points.
+fn of_an_ouster(world: &World, _: &TopicEvidence, clouds: &CloudEvidence) -> bool {
+    clouds.layouts.first().is_some_and(|layout| {
+        let fields = layout.fields.iter();
+        let fields = fields.map(|field| (field.name.as_str(), field.datatype.as_str()));
+        world
+            .tables
+            .cloud_driver(fields)
+            .is_some_and(|driver| driver.name == "Ouster")
+    })
+}
+
+/// Expresses the points in other axes: x, y and z in another order, with another sign.
+fn turned(topic: &mut TopicEvidence, axes: fn([f64; 3]) -> [f64; 3]) -> bool {
+    let Some(clouds) = &mut topic.content.clouds else {
+        return false;
+    };
+    let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
+    points.for_each(|point| point.xyz = axes(point.xyz));
+    let [x, y, _] = axes([0.0, 0.0, 1.0]);
+    let keeps_plane = x == 0.0 && y == 0.0;
+    for slice in clouds.runs.iter_mut().flatten() {
+        let mut cut = PlaneCut::default();
+        if keeps_plane {
+            // Points without times have none afterwards, either.
+            for (at, point) in slice.points.iter().enumerate() {
+                cut.push(axes(*point), || slice.after.get(at).copied().unwrap_or(f64::NAN));
+            }
+        } else if let Some(sample) = clouds.samples.iter().find(|sample| is_of(sample, slice)) {
+            for point in &sample.points {
+                cut.push(point.xyz, || point.time);
+            }
+        }
+        (slice.points, slice.after) = cut.finish();
+    }
+    true
+}
+
+/// Whether a sample is of the same cloud as a slice.
+fn is_of(sample: &CloudSample, slice: &CloudSlice) -> bool {
+    sample.at.log_ns == slice.log_ns && sample.at.stamp_ns.filter(|stamp| *stamp != 0) == slice.stamp_ns
+}
+
+/// Expresses the points in another unit of length.
+fn scaled(topic: &mut TopicEvidence, factor: f64) -> bool {
+    let Some(clouds) = &mut topic.content.clouds else {
+        return false;
+    };
+    let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
+    points.for_each(|point| point.xyz = point.xyz.map(|value| value * factor));
+    let points = clouds.runs.iter_mut().flatten().flat_map(|slice| &mut slice.points);
+    points.for_each(|point| *point = point.map(|value| value * factor));
+    if let Some((_, farthest)) = &mut clouds.farthest {
+        *farthest *= factor;
+    }
+    true
+}
+
+/// Leaves out the times of the points, and the field that holds them.
+fn untimed(topic: &mut TopicEvidence) -> bool {
+    let Some(clouds) = &mut topic.content.clouds else {
+        return false;
+    };
+    let times = clouds.samples.iter_mut().filter_map(|sample| sample.times.take());
+    let fields: Vec<String> = times.map(|times| times.field).collect();
+    for layout in &mut clouds.layouts {
+        layout.fields.retain(|field| !fields.contains(&field.name));
+    }
+    let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
+    points.for_each(|point| point.time = f64::NAN);
+    clouds.runs.iter_mut().flatten().for_each(|slice| slice.after.clear());
+    !fields.is_empty()
+}
+
+/// Changes the times of the points; `of_slice` those after the earliest in a slice.
+fn retimed(
+    topic: &mut TopicEvidence,
+    time: impl Fn(f64, &PointTimes) -> f64,
+    of_slice: impl Fn(f64, f64, &str) -> f64,
+) -> bool {
+    let Some(clouds) = &mut topic.content.clouds else {
+        return false;
+    };
+    let mut datatype = String::new();
+    for sample in &mut clouds.samples {
+        let Some(times) = sample.times.take() else { continue };
+        for point in &mut sample.points {
+            point.time = held(time(point.time, &times), &times.datatype);
+        }
+        datatype.clone_from(&times.datatype);
+        sample.times = times.of(sample.points.iter().map(|point| point.time).collect());
+    }
+    for slice in clouds.runs.iter_mut().flatten() {
+        let last = slice.after.iter().copied().fold(0.0, f64::max);
+        for after in &mut slice.after {
+            *after = held(of_slice(*after, last, &datatype), &datatype);
+        }
+        if slice.after.iter().all(|after| *after == 0.0) {
+            slice.after.clear();
+        }
+    }
+    !datatype.is_empty()
+}
+
+/// A number as a field of this type holds it.
+#[allow(clippy::cast_possible_truncation)] // that is meant
+fn held(value: f64, datatype: &str) -> f64 {
+    match datatype {
+        "float64" => value,
+        "float32" => f64::from(value as f32),
+        _ => value.trunc(),
+    }
+}
+
+/// What a time is multiplied by where its unit is a thousand times as large, or as small where whole numbers hold no fraction.
+fn other_unit(datatype: &str) -> f64 {
+    if datatype.starts_with("float") { 1e3 } else { 1e-3 }
+}
+
+/// A mistake of a cloud.
+macro_rules! cloud {
+    ($name:literal, $has:expr, $change:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:literal) => {
+        Fault {
+            family: Family::Cloud,
+            name: $name,
+            sentence: $sentence,
+            change: &Cloud {
+                has: $has,
+                change: $change,
+            },
+            relations: &$relations,
+            texts: &$texts,
+            seen_by: &$seen_by,
+            record: $record,
+        }
+    };
+}
+
+/// What is said of a cloud that sweeps the other way round.
+const SWEEPS: &str = "The cloud is mirrored, its z axis points down, or the times of its points run backwards";
 
 /// Every mistake of this kind.
-pub(super) static FAULTS: &[Fault] = &[];
+pub(super) static FAULTS: &[Fault] = &[
+    cloud!(
+        "cloud-mirrored",
+        any,
+        |topic| turned(topic, |[x, y, z]| [x, -y, z]),
+        "A cloud is mirrored: y has the opposite sign.",
+        ["mirrored"],
+        [SWEEPS],
+        ["AXES11", "TIME07"],
+        "30 s of driving with turns, with this cloud and a gyro or odometry, and per-point times in the cloud"
+    ),
+    cloud!(
+        "cloud-z-down",
+        any,
+        |topic| turned(topic, |[x, y, z]| [x, -y, -z]),
+        "A cloud is upside down: it is expressed in x forward, y right, z down.",
+        ["x180"],
+        [SWEEPS],
+        ["AXES10", "TIME07"],
+        "flat ground in view of the lidar, and its transform to the base"
+    ),
+    cloud!(
+        "cloud-z-forward",
+        any,
+        |topic| turned(topic, |[x, y, z]| [-y, -z, x]),
+        "A cloud is expressed in the axes of a camera: x right, y down, z forward.",
+        ["optical"],
+        [],
+        ["AXES10"],
+        "flat ground in view of the lidar, and its transform to the base"
+    ),
+    cloud!(
+        "cloud-ouster-half-turn",
+        of_an_ouster,
+        |topic| turned(topic, |[x, y, z]| [-x, -y, z]),
+        "The clouds of an Ouster are expressed in the other one of its two frames, half a turn about z away.",
+        ["z180", "z180-extra", "z180-missing", "z180-twice"],
+        [],
+        ["SENSOR01", "SENSOR03", "AXES12"],
+        "organised clouds with rows and columns, or 30 s of driving with turns, with this cloud and odometry"
+    ),
+    cloud!(
+        "cloud-yaw-90",
+        any,
+        |topic| turned(topic, |[x, y, z]| [-y, x, z]),
+        "A cloud is turned by a quarter turn about z, as a driver with azimuth zero on y publishes it.",
+        ["z90", "z-90"],
+        [],
+        ["AXES12", "SENSOR04", "CROSS05"],
+        "30 s of driving with turns, with this cloud and odometry"
+    ),
+    cloud!(
+        "cloud-millimetres",
+        any,
+        |topic| scaled(topic, 1000.0),
+        "The points of a cloud are in millimetres.",
+        ["millimetres"],
+        ["in millimetres"],
+        ["AXES09", "PREC01", "CROSS05"],
+        "flat ground in view of the lidar, and its height over the base in /tf_static or the URDF"
+    ),
+    cloud!(
+        "cloud-times-missing",
+        timed,
+        untimed,
+        "The points of a cloud have no times.",
+        ["missing"],
+        [],
+        ["TIME05"],
+        "10 s of driving with this cloud and odometry or a gyro"
+    ),
+    cloud!(
+        "cloud-times-constant",
+        timed,
+        |topic| retimed(topic, |_, times| times.range[0], |_, _, _| 0.0),
+        "All points of a cloud have one time.",
+        ["constant"],
+        [],
+        ["TIME05"],
+        "10 s of driving with this cloud and odometry or a gyro"
+    ),
+    cloud!(
+        "cloud-times-unit",
+        timed,
+        |topic| {
+            retimed(
+                topic,
+                |time, times| time * other_unit(&times.datatype),
+                |after, _, datatype| after * other_unit(datatype),
+            )
+        },
+        "The times of the points of a cloud are in another unit than its driver has: milliseconds for seconds, or microseconds for nanoseconds.",
+        ["unit"],
+        [],
+        ["TIME06"],
+        "clouds at the full rate of the sensor, with stamps in their headers"
+    ),
+    cloud!(
+        "cloud-times-reversed",
+        timed,
+        |topic| {
+            retimed(
+                topic,
+                |time, times| times.range[0] + (times.range[1] - time),
+                |after, last, _| last - after,
+            )
+        },
+        "The times of the points of a cloud run backwards.",
+        ["mirrored"],
+        ["the times of its points run backwards"],
+        ["TIME07"],
+        "10 s of clouds of a whole turn with per-point times"
+    ),
+];

@@ -5,6 +5,7 @@
 
 mod cameras;
 mod clouds;
+mod literals;
 pub mod motion;
 mod mountings;
 mod restate;
@@ -134,6 +135,7 @@ impl Fault {
 pub fn catalogue() -> impl Iterator<Item = &'static Fault> {
     let tables = [
         statements::FAULTS,
+        literals::FAULTS,
         mountings::FAULTS,
         clouds::FAULTS,
         cameras::FAULTS,

@@ -3,7 +3,9 @@
 use compact_str::format_compact;
 use nalgebra::Isometry3;
 
-use crate::math::rotation::to_rpy;
+use crate::math::relation::{Relation, Tolerance};
+use crate::math::rotation::{rotation_angle_between, to_rpy};
+use crate::source::{Place, SourceValue, Span};
 use crate::world::bag::TfEdge;
 use crate::world::robot::{ConsumerOpinion, NumberList, Robot};
 use crate::world::{Claim, ClaimKind, Literal, Pose, Spelling, World};
@@ -35,6 +37,55 @@ pub(super) fn scale_angles(world: &mut World, number: usize, scale: fn(f64) -> f
     let claim = claim.clone();
     restate_joint(world, &claim);
     true
+}
+
+/// Gives a claim other numbers as it is written, and the pose that is read of them; a joint changes with the description that it is of.
+pub(super) fn respell_claim(world: &mut World, number: usize, spelling: Spelling, pose: Option<Pose>) {
+    let Some(claim) = world.claims.get_mut(number) else {
+        return;
+    };
+    let numbers = |spelling: &Spelling| match spelling {
+        Spelling::Rpy { rpy, .. } => rpy.to_vec(),
+        Spelling::Quaternion { xyzw, .. } => xyzw.to_vec(),
+        Spelling::Matrix { values, .. } => values.clone(),
+        Spelling::Translation { .. } => Vec::new(),
+    };
+    let (old, new) = (numbers(&claim.spelling), numbers(&spelling));
+    rewrite(&mut claim.rotation_literals, &old, &new);
+    if let (Some(old), Some(new)) = (&claim.pose, &pose) {
+        rewrite(&mut claim.translation_literals, &old.translation_m, &new.translation_m);
+    }
+    (claim.spelling, claim.pose) = (spelling, pose);
+    let claim = claim.clone();
+    restate_joint(world, &claim);
+}
+
+/// Whether two transforms differ by nothing that any rule sees.
+pub(super) fn is_same(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
+    (a.translation.vector - b.translation.vector).norm() <= 1e-6
+        && rotation_angle_between(&a.rotation, &b.rotation) <= 1e-6
+}
+
+/// The relations that make one transform of another, seen from either of them and in either direction.
+pub(super) fn relations_between(truth: &Isometry3<f64>, held: &Isometry3<f64>) -> Vec<&'static str> {
+    let limits = Tolerance::default();
+    let length_m = truth.translation.vector.norm().max(held.translation.vector.norm());
+    let distance_m = limits.distance_m + limits.relative_distance * length_m;
+    let makes = |relation: &Relation, from: &Isometry3<f64>, to: &Isometry3<f64>| {
+        relation.apply(from).is_some_and(|made| {
+            rotation_angle_between(&made.rotation, &to.rotation) <= limits.angle_rad
+                && (made.translation.vector - to.translation.vector).norm() <= distance_m
+        })
+    };
+    let turned = [truth.inverse(), held.inverse()];
+    let fits = |relation: &&Relation| {
+        makes(relation, truth, held)
+            || makes(relation, held, truth)
+            || makes(relation, &turned[0], &turned[1])
+            || makes(relation, &turned[1], &turned[0])
+    };
+    let others = Relation::all().iter().skip(1);
+    others.filter(fits).map(|relation| relation.word()).collect()
 }
 
 /// Makes every sample of a constant edge this transform `parent_from_child`.
@@ -84,10 +135,16 @@ fn restate_joint(world: &mut World, claim: &Claim) {
         };
         let joints = robot.joints.iter_mut().filter(|joint| joint.name.value == *name);
         for origin in joints.flat_map(|joint| &mut joint.origins) {
-            for (list, new) in [(&mut origin.xyz, xyz), (&mut origin.rpy, rpy)] {
-                if let Some(NumberList { literals, .. }) = list {
-                    let old: Vec<f64> = literals.iter().map(|literal| literal.value).collect();
-                    rewrite(literals, &old, new);
+            for (attribute, list, new) in [("xyz", &mut origin.xyz, xyz), ("rpy", &mut origin.rpy, rpy)] {
+                match list {
+                    Some(NumberList { literals, .. }) => {
+                        let old: Vec<f64> = literals.iter().map(|literal| literal.value).collect();
+                        rewrite(literals, &old, new);
+                    }
+                    None if new.iter().any(|value| *value != 0.0) => {
+                        *list = Some(written_list(attribute, new, &origin.place));
+                    }
+                    None => {}
                 }
             }
         }
@@ -96,6 +153,24 @@ fn restate_joint(world: &mut World, claim: &Claim) {
                 (joint.xyz, joint.rpy) = (*xyz, *rpy);
             }
         }
+    }
+}
+
+/// An attribute that was not written; its place is that of the element.
+fn written_list(attribute: &str, numbers: &[f64; 3], place: &Place) -> NumberList {
+    let span = place.span().unwrap_or(Span::new(0, 0));
+    let literal = |value: f64| Literal {
+        text: format_compact!("{value}"),
+        value,
+        span,
+    };
+    let [x, y, z] = numbers;
+    NumberList {
+        attribute: attribute.into(),
+        text: SourceValue::new(format_compact!("{x} {y} {z}"), place.clone()),
+        literals: numbers.map(literal).into(),
+        expected: 3,
+        malformed: None,
     }
 }
 

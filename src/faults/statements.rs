@@ -2,9 +2,9 @@
 
 use nalgebra::Isometry3;
 
-use super::restate::{restate_claim, restate_edge, scale_angles};
+use super::restate::{relations_between, restate_claim, restate_edge, scale_angles};
 use super::{Change, Family, Fault, Subject, SubjectPlace};
-use crate::math::relation::{Relation, Tolerance};
+use crate::math::relation::Relation;
 use crate::math::rotation::rotation_angle_between;
 use crate::world::{ClaimKind, World};
 
@@ -139,22 +139,7 @@ impl Change for Restated {
         let Some([truth, held]) = self.held(world, subject) else {
             return Vec::new();
         };
-        let limits = Tolerance::default();
-        let explains = |relation: &Relation, truth: &Isometry3<f64>, held: &Isometry3<f64>| {
-            let length_m = truth.translation.vector.norm().max(held.translation.vector.norm());
-            let distance_m = limits.distance_m + limits.relative_distance * length_m;
-            let applied = relation.apply(truth);
-            applied.is_some_and(|applied| is_near(&applied, held, (limits.angle_rad, distance_m)))
-        };
-        let turned = (truth.inverse(), held.inverse());
-        let fits = |relation: &&Relation| {
-            explains(relation, &truth, &held)
-                || explains(relation, &held, &truth)
-                || explains(relation, &turned.0, &turned.1)
-                || explains(relation, &turned.1, &turned.0)
-        };
-        let others = Relation::all().iter().skip(1);
-        others.filter(fits).map(|relation| relation.word()).collect()
+        relations_between(&truth, &held)
     }
 }
 

@@ -37,6 +37,8 @@ pub enum SubjectPlace {
     Stream(Stream),
     /// The origin on the Earth with this number.
     Origin(usize),
+    /// The camera with this number, that a file describes.
+    Camera(usize),
     /// A frame of the platform.
     Frame(FrameId),
 }

@@ -1,6 +1,9 @@
 //! Evidence of lidars: layouts of points, samples of clouds, and the ranges of every cloud's times and coordinates.
 //! Bounded, as published.
 
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
+
 use serde::{Deserialize, Serialize};
 
 use crate::source::MessageRef;
@@ -130,4 +133,101 @@ pub struct CloudEvidence {
     pub runs: Vec<Vec<CloudSlice>>,
     /// The cloud with the largest coordinate, of those examined, and that coordinate, metres as published.
     pub farthest: Option<(MessageRef, f64)>,
+}
+
+impl PointTimes {
+    /// With the range, the quantiles and the variety of these times; `None` if none is finite.
+    #[must_use]
+    pub fn of(self, mut times: Vec<f64>) -> Option<Self> {
+        times.retain(|time| time.is_finite());
+        times.sort_by(f64::total_cmp);
+        let (first, last) = (*times.first()?, *times.last()?);
+        let at = |permille: usize| {
+            let index = (times.len() - 1) * permille / 1000;
+            times.get(index).copied().unwrap_or(first)
+        };
+        let mut distinct = BTreeSet::new();
+        for time in &times {
+            distinct.insert(time.to_bits());
+            if distinct.len() >= MAX_DISTINCT as usize {
+                break;
+            }
+        }
+        Some(Self {
+            range: [first, last],
+            quantiles: [at(1), at(999)],
+            distinct: u32::try_from(distinct.len()).unwrap_or(MAX_DISTINCT),
+            ..self
+        })
+    }
+}
+
+/// A point near the plane: its distance squared, its coordinates, and its time as published.
+type PlanePoint = (f64, [f64; 3], f64);
+
+/// Takes in the points of a cloud, and keeps those of its [`CloudSlice`].
+#[derive(Clone, Debug)]
+pub struct PlaneCut(Vec<[Option<PlanePoint>; 2]>);
+
+impl Default for PlaneCut {
+    fn default() -> Self {
+        Self(vec![[None; 2]; SLICE_BINS as usize])
+    }
+}
+
+impl PlaneCut {
+    /// Takes in a point, with its time as published: NaN if it has none.
+    pub fn push(&mut self, [x, y, z]: [f64; 3], time: impl FnOnce() -> f64) {
+        let flat = x * x + y * y;
+        // Also false where one is NaN, or all are zero.
+        let is_level = z * z < SLICE_SLOPE * SLICE_SLOPE * flat && flat.is_finite();
+        if !is_level {
+            return;
+        }
+        // Those below, and those above.
+        let kept = self
+            .0
+            .get_mut(bin(x, y))
+            .and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
+        if let Some(kept) = kept.filter(|kept| kept.is_none_or(|(least, ..)| flat < least)) {
+            *kept = Some((flat, [x, y, z], time()));
+        }
+    }
+
+    /// The points that are kept, and the time of each after the earliest; no times where one is NaN, or all are the same.
+    pub fn finish(self) -> (Vec<[f64; 3]>, Vec<f64>) {
+        let kept = self.0.iter().flat_map(|bin| bin.iter().flatten());
+        let (points, times): (Vec<_>, Vec<_>) = kept.map(|(_, point, time)| (*point, *time)).unzip();
+        (points, after(times))
+    }
+}
+
+/// Times after the earliest; none where one is NaN, or all are the same.
+fn after(mut times: Vec<f64>) -> Vec<f64> {
+    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+    for time in &mut times {
+        *time -= first;
+    }
+    let is_clear = times.iter().all(|time| time.is_finite()) && times.iter().any(|time| *time > 0.0);
+    if is_clear { times } else { Vec::new() }
+}
+
+/// The direction of a point.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of bins
+fn bin(x: f64, y: f64) -> usize {
+    let share = (y.atan2(x) + PI) / TAU;
+    ((share * f64::from(SLICE_BINS)) as usize).min(SLICE_BINS as usize - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::after;
+
+    #[test]
+    fn times_count_from_the_earliest() {
+        assert_eq!(format!("{:?}", after(vec![5.5, 5.0, 6.0])), "[0.5, 0.0, 1.0]");
+        assert!(after(vec![5.0, f64::NAN]).is_empty());
+        assert!(after(vec![5.0, 5.0]).is_empty());
+        assert!(after(Vec::new()).is_empty());
+    }
 }

@@ -36,6 +36,7 @@ mod diff;
 mod drives;
 mod evidence;
 mod faults_motion;
+mod faults_placed;
 mod fixes;
 mod formats;
 mod foxglove;

@@ -1,13 +1,10 @@
 //! Clouds of one topic.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
-use crate::world::cloud::{
-    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, PointField, PointTimes,
-};
+use crate::world::cloud::{CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes};
 
 use super::super::point::{Point, PointOwner};
 use super::super::thin::SampleBudget;
@@ -229,12 +226,15 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
         }
     }
     let times = time.and_then(|(name, _)| {
-        Some(PointTimes {
+        let field = PointTimes {
             field: name.to_owned(),
             datatype: word(cloud.field(name)?.datatype),
             timebase_ns: cloud.timebase_ns,
-            ..statistics(times)?
-        })
+            range: [f64::NAN; 2],
+            quantiles: [f64::NAN; 2],
+            distinct: 0,
+        };
+        field.of(times)
     });
     Some(CloudContent {
         size: [cloud.height, cloud.width],
@@ -243,32 +243,6 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
         points,
         times,
         farthest,
-    })
-}
-
-/// Range, quantiles and variety of the finite ones.
-fn statistics(mut times: Vec<f64>) -> Option<PointTimes> {
-    times.retain(|time| time.is_finite());
-    times.sort_by(f64::total_cmp);
-    let (first, last) = (*times.first()?, *times.last()?);
-    let at = |permille: usize| {
-        let index = (times.len() - 1) * permille / 1000;
-        times.get(index).copied().unwrap_or(first)
-    };
-    let mut distinct = BTreeSet::new();
-    for time in &times {
-        distinct.insert(time.to_bits());
-        if distinct.len() >= MAX_DISTINCT as usize {
-            break;
-        }
-    }
-    Some(PointTimes {
-        field: String::new(),
-        datatype: String::new(),
-        range: [first, last],
-        quantiles: [at(1), at(999)],
-        distinct: u32::try_from(distinct.len()).unwrap_or(MAX_DISTINCT),
-        timebase_ns: None,
     })
 }
 

@@ -1,9 +1,7 @@
 //! Runs of neighbouring clouds of one topic, each cut near the plane of its x and y.
 
-use std::f64::consts::{PI, TAU};
-
 use crate::read::messages::cloud::{Cloud, Column};
-use crate::world::cloud::{CloudSlice, RUN_CLOUDS, SLICE_BINS, SLICE_SLOPE};
+use crate::world::cloud::{CloudSlice, PlaneCut, RUN_CLOUDS};
 
 use super::super::point::Point;
 use super::runs::Runs;
@@ -24,12 +22,12 @@ impl Slices {
 
     pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>, time_fields: &[String]) {
         self.0.push(|| {
-            let (points, times) = slice(cloud, time_fields).unwrap_or_default();
+            let (points, after) = slice(cloud, time_fields).unwrap_or_default();
             CloudSlice {
                 stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
                 log_ns: point.log_ns,
                 points,
-                after: after(times),
+                after,
             }
         });
     }
@@ -39,56 +37,21 @@ impl Slices {
     }
 }
 
-/// A point near the plane: its distance squared, its coordinates, and its time as published.
-type PlanePoint = (f64, [f64; 3], f64);
-
-/// The nearest points of a cloud in each direction, and their times, NaN where they have none; `None` where its points have
-/// no coordinates.
+/// The nearest points of a cloud in each direction, and their times; `None` where its points have no coordinates.
 fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields).map(|(_, column)| column);
-    // Those below, and those above.
-    let mut nearest = vec![[None::<PlanePoint>; 2]; SLICE_BINS as usize];
+    let mut cut = PlaneCut::default();
     for row in 0..cloud.rows() {
         for column in 0..cloud.width {
             let Some(bytes) = cloud.point(row, column) else { break };
             let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
                 break;
             };
-            let flat = x * x + y * y;
-            // Also false where one is NaN, or all are zero.
-            let is_level = z * z < SLICE_SLOPE * SLICE_SLOPE * flat && flat.is_finite();
-            if !is_level {
-                continue;
-            }
-            let bin = nearest
-                .get_mut(bin(x, y))
-                .and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
-            if let Some(kept) = bin.filter(|kept| kept.is_none_or(|(least, ..)| flat < least)) {
-                let time = time.and_then(|time| time.of(bytes));
-                *kept = Some((flat, [x, y, z], time.unwrap_or(f64::NAN)));
-            }
+            cut.push([x, y, z], || time.and_then(|time| time.of(bytes)).unwrap_or(f64::NAN));
         }
     }
-    let kept = nearest.iter().flat_map(|bin| bin.iter().flatten());
-    Some(kept.map(|(_, point, time)| (*point, *time)).unzip())
-}
-
-/// Times after the earliest; none where one is NaN, or all are the same.
-fn after(mut times: Vec<f64>) -> Vec<f64> {
-    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
-    for time in &mut times {
-        *time -= first;
-    }
-    let is_clear = times.iter().all(|time| time.is_finite()) && times.iter().any(|time| *time > 0.0);
-    if is_clear { times } else { Vec::new() }
-}
-
-/// The direction of a point.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of bins
-fn bin(x: f64, y: f64) -> usize {
-    let share = (y.atan2(x) + PI) / TAU;
-    ((share * f64::from(SLICE_BINS)) as usize).min(SLICE_BINS as usize - 1)
+    Some(cut.finish())
 }
 
 #[cfg(test)]
@@ -142,22 +105,14 @@ mod tests {
             [0.0, -4.0, 0.0],
         ];
         let data = bytes(&points);
-        let (kept, times) = slice(&cloud(&data, 8), &[]).unwrap();
-        assert!(after(times).is_empty());
+        let (kept, after) = slice(&cloud(&data, 8), &[]).unwrap();
+        assert!(after.is_empty());
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
         assert_eq!(kept.len(), 3);
         assert!(
             near(kept[0][1], -4.0) && near(kept[1][0], 2.0) && near(kept[2][0], 3.0),
             "{kept:?}"
         );
-    }
-
-    #[test]
-    fn times_count_from_the_earliest() {
-        assert_eq!(format!("{:?}", after(vec![5.5, 5.0, 6.0])), "[0.5, 0.0, 1.0]");
-        assert!(after(vec![5.0, f64::NAN]).is_empty());
-        assert!(after(vec![5.0, 5.0]).is_empty());
-        assert!(after(Vec::new()).is_empty());
     }
 
     #[test]
