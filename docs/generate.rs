@@ -201,6 +201,13 @@ fn rule(page: &Page) -> String {
     if let Some(sight) = explain::sight(page.view) {
         let _ = writeln!(out, "\n## In the viewer\n\n{sight}");
     }
+    let mistakes = explain::mistakes(page.code);
+    if !mistakes.is_empty() {
+        let _ = writeln!(out, "\n## {}\n", explain::MISTAKES);
+        for mistake in mistakes {
+            let _ = writeln!(out, "- {mistake}");
+        }
+    }
     if !page.references.is_empty() {
         out.push_str("\n## References\n\n");
         for reference in page.references {

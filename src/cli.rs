@@ -361,6 +361,15 @@ fn paths(given: Vec<PathBuf>, stdin: &mut dyn Read) -> Result<Vec<PathBuf>, Fail
     Ok(paths)
 }
 
+/// The paths of the command line; without any, and without evidence, the working directory.
+fn paths_or_here(given: Vec<PathBuf>, evidence: &[PathBuf], stdin: &mut dyn Read) -> Result<Vec<PathBuf>, Failure> {
+    match (given.is_empty(), evidence.is_empty()) {
+        (true, true) => Ok(vec![PathBuf::from(".")]),
+        (true, false) => Ok(Vec::new()),
+        (false, _) => paths(given, stdin),
+    }
+}
+
 /// NUL-separated paths if there is a NUL (`git ls-files -z`, `find -print0`), else one path per line.
 fn listed(list: &[u8]) -> Result<Vec<PathBuf>, Failure> {
     let separator = if list.contains(&0) { 0 } else { b'\n' };

@@ -307,9 +307,9 @@ pub(super) struct Assure {
     /// List the known mistakes, and try none
     #[arg(long, conflicts_with_all = ["paths", "evidence"])]
     pub(super) list: bool,
-    /// Format of the report
-    #[arg(long, value_enum, default_value = "text")]
-    pub(super) format: AssureFormat,
+    /// Format of the report (default: by the extension of --output, else text)
+    #[arg(long, value_enum)]
+    pub(super) format: Option<AssureFormat>,
     /// Show the mistakes that would have been named as well, without a limit on their number
     #[arg(long)]
     pub(super) all: bool,
@@ -328,6 +328,7 @@ pub(super) enum AssureFormat {
     Text,
     Json,
     Markdown,
+    Html,
 }
 
 const DIFF_EXIT_CODES: &str = "\

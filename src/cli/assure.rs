@@ -1,6 +1,8 @@
 //! `frames-lint assure`.
 
+use std::ffi::OsStr;
 use std::io::Read;
+use std::path::Path;
 
 use crate::engine;
 use crate::faults::{Fault, catalogue};
@@ -10,7 +12,7 @@ use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_INCOMPLETE};
 use crate::verdict::{KeptOutcomes, Outcome};
 
 use super::args::{Assure, AssureFormat};
-use super::{Answer, Failure, Surroundings, nearest, paths, save};
+use super::{Answer, Failure, Surroundings, nearest, paths_or_here, save};
 
 /// Tries known mistakes on the inputs. 0: tried; 3: nothing could be tried, or an input was not read in full; 70: internal error.
 pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -21,11 +23,7 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
             ..Answer::default()
         });
     }
-    let given = match (asked.paths.is_empty(), asked.evidence.is_empty()) {
-        (true, true) => vec![".".into()],
-        (true, false) => Vec::new(),
-        (false, _) => paths(asked.paths, stdin)?,
-    };
+    let given = paths_or_here(asked.paths, &asked.evidence, stdin)?;
     let run = engine::check(&engine::Options {
         config: asked.config,
         evidence: asked.evidence,
@@ -45,10 +43,11 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
     } else {
         surroundings.style
     };
-    let mut out = match asked.format {
+    let mut out = match asked.format.unwrap_or_else(|| by_extension(asked.output.as_deref())) {
         AssureFormat::Text => report::text(&assurance, asked.all, style),
         AssureFormat::Json => report::json(&assurance)?,
         AssureFormat::Markdown => report::markdown(&assurance),
+        AssureFormat::Html => report::html(&assurance),
     };
     if let Some(file) = asked.output {
         save(&file, std::mem::take(&mut out))?;
@@ -68,6 +67,17 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
         },
         ..Answer::default()
     })
+}
+
+/// The format of a file by its extension.
+fn by_extension(file: Option<&Path>) -> AssureFormat {
+    let extension = file.and_then(Path::extension).and_then(OsStr::to_str);
+    match extension.map(str::to_lowercase).as_deref() {
+        Some("json") => AssureFormat::Json,
+        Some("md") => AssureFormat::Markdown,
+        Some("html" | "htm") => AssureFormat::Html,
+        _ => AssureFormat::Text,
+    }
 }
 
 /// The mistakes with these names or of these families; all if there are none.

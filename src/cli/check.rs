@@ -4,7 +4,6 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::io::Read;
 use std::mem::ManuallyDrop;
-use std::path::PathBuf;
 
 use crate::engine;
 use crate::faults::catalogue;
@@ -16,7 +15,7 @@ use crate::verdict::KeptOutcomes;
 
 use super::args::{Chain, Check, Color, ReportOptions};
 use super::stream::{Stream, print_json, save_json};
-use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
+use super::{Answer, Failure, Surroundings, call, fixes, paths, paths_or_here, save, view};
 
 /// Checks the inputs and writes the reports.
 pub(super) fn run(
@@ -32,11 +31,7 @@ pub(super) fn run(
     // Fixes and baselines alter results after the check: a report can be streamed only without them.
     let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
     let options = engine::Options {
-        paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
-            (true, true) => vec![PathBuf::from(".")],
-            (true, false) => Vec::new(),
-            (false, _) => paths(check.paths, stdin)?,
-        },
+        paths: paths_or_here(check.paths, &check.evidence, stdin)?,
         evidence: check.evidence,
         assure: check.assure.then(|| catalogue().collect()),
         config: check.config,

@@ -1,4 +1,4 @@
-//! Which mistakes the data would have shown: for people, as JSON and as Markdown. Blind spots come first.
+//! Which mistakes the data would have shown: for people, as JSON, Markdown and HTML. Blind spots come first.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -44,8 +44,9 @@ impl<'a> Group<'a> {
                 });
                 by_subject.len() - 1
             });
-            let group = by_subject.get_mut(number);
-            group.into_iter().for_each(|group| group.faults.push(trial.fault.name));
+            if let Some(group) = by_subject.get_mut(number) {
+                group.faults.push(trial.fault.name);
+            }
         }
         let mut groups: Vec<Self> = Vec::new();
         for one in by_subject {
@@ -287,6 +288,11 @@ pub fn markdown(assurance: &Assurance) -> String {
         out.push_str(close);
     }
     out
+}
+
+/// One page with the blind spots and a matrix of mistakes by subjects.
+pub fn html(assurance: &Assurance) -> String {
+    super::html::assured(assurance)
 }
 
 /// The catalogue of mistakes, for people: a line each, by family.

@@ -1,9 +1,10 @@
 //! A rule's page for the terminal: front matter as words, limits as a table, prose wrapped, code indented.
 //!
-//! Works on the text of a page; does not know which rules exist.
+//! Works on the text of a page and the catalogue of mistakes; does not know which rules exist.
 
 use std::fmt::Write;
 
+use crate::faults::{Fault, catalogue};
 use crate::page::{self, Page};
 use crate::tables::views;
 
@@ -31,6 +32,13 @@ pub fn render(page: &Page, style: Style) -> String {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "In the viewer"));
         paragraph(&sight, style, &mut out);
     }
+    let mistakes = mistakes(page.code);
+    if !mistakes.is_empty() {
+        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, MISTAKES));
+        for mistake in mistakes {
+            item(&mistake, style, &mut out);
+        }
+    }
     if !page.references.is_empty() {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "References"));
         for reference in page.references {
@@ -39,6 +47,29 @@ pub fn render(page: &Page, style: Style) -> String {
     }
     let _ = writeln!(out, "\nOnline: {}", page::url(page.code));
     out
+}
+
+/// The title of the known mistakes on a rule's page.
+pub const MISTAKES: &str = "Known mistakes that it should show";
+
+/// More mistakes of one rule are named, and not described.
+const MAX_DESCRIBED: usize = 12;
+
+/// The known mistakes that a rule should show, in lines; `frames-lint assure` tries them on given data.
+pub fn mistakes(code: &str) -> Vec<String> {
+    let of_rule = |fault: &&Fault| fault.seers().any(|seer| seer == code);
+    let faults: Vec<&Fault> = catalogue().filter(of_rule).collect();
+    if faults.len() > MAX_DESCRIBED {
+        let names: Vec<String> = faults.iter().map(|fault| format!("`{}`", fault.name)).collect();
+        return vec![format!(
+            "{} (`frames-lint assure --list` describes them)",
+            names.join(", ")
+        )];
+    }
+    let described = faults
+        .iter()
+        .map(|fault| format!("`{}`: {}", fault.name, fault.sentence));
+    described.collect()
 }
 
 /// The part of the views that shows what a rule judges.

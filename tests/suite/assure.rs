@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use frames_lint::engine::{self, Options, Rules};
+use frames_lint::engine::{self, Options, Retention, Rules};
 use frames_lint::faults::{Family, catalogue};
 use frames_lint::math::relation::Relation;
 use frames_lint::math::rotation::{from_rpy, to_rpy};
@@ -93,14 +93,20 @@ fn read(form: Form, replaced: Option<(&str, String)>) -> World {
     {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    let (_, mut worlds) = engine::check_worlds(&Options {
-        paths: vec![folder.path().to_owned()],
-        ..Options::default()
-    })
-    .unwrap();
-    let (world, _) = worlds.pop().unwrap();
+    let mut worlds = worlds(folder.path());
+    let world = worlds.pop().unwrap();
     assert!(worlds.is_empty() && !world.claims.is_empty(), "{form:?}");
     world
+}
+
+/// The judged worlds of a folder.
+fn worlds(folder: &Path) -> Vec<World> {
+    let run = engine::check(&Options {
+        paths: vec![folder.to_owned()],
+        sights: Retention::Everything,
+        ..Options::default()
+    });
+    run.unwrap().seen
 }
 
 /// What is found, without paths of temporary folders.
@@ -223,23 +229,110 @@ fn the_document_is_valid_and_nothing_altered_leaks() {
         assert_eq!(trial["reason"].is_string(), is_missed, "{trial}");
         assert_eq!(trial["rules"].as_array().unwrap().is_empty(), is_missed, "{trial}");
     }
-    let options = Options {
-        paths: vec![root().join("fixtures/first-finding")],
-        ..Options::default()
+    let check = |assured: bool| {
+        let mut arguments = vec!["check", "fixtures/first-finding", "--format", "json"];
+        arguments.extend(assured.then_some("--assure"));
+        let ran = run(root(), arguments);
+        let mut report = ran.report();
+        (ran.code, report["assurance"].take(), report)
     };
-    let plain = engine::check(&options).unwrap().verdict;
-    let (kept, worlds) = engine::check_worlds(&options).unwrap();
-    assert_eq!(kept.verdict.findings, plain.findings);
-    let (world, rules) = &worlds[0];
-    let before = rules.judge(world).findings;
-    let faults: Vec<_> = catalogue().collect();
-    let progress = frames_lint::progress::Progress::new(false);
-    assert!(
-        !frames_lint::assure::assure(&worlds, &faults, &progress)
-            .trials
-            .is_empty()
+    let (code, assurance, plain) = check(false);
+    assert!(assurance.is_null());
+    let (assured_code, assurance, assured) = check(true);
+    assert_eq!((code, plain), (assured_code, assured), "nothing altered leaks");
+    assert!(!assurance["faults"].as_array().unwrap().is_empty());
+    assert_eq!(
+        assurance["summary"]["tried"],
+        assurance["faults"].as_array().unwrap().len()
     );
-    assert_eq!(rules.judge(world).findings, before);
+}
+
+/// A gate: a mistake that would have been missed leaves the run incomplete, with the place, the reason and what to record.
+#[test]
+fn what_must_be_found_is_a_requirement() {
+    let folder = tempfile::tempdir().unwrap();
+    let angles = to_rpy(&truth().rotation).into();
+    let [joint, stated] = [Form::Joint, Form::Quaternion].map(|form| file(form, &truth(), angles));
+    let config = folder.path().join("frames-lint.yaml");
+    fs::write(folder.path().join(joint.0), joint.1).unwrap();
+    let check = |require: &str| {
+        fs::write(&config, format!("require:\n  - {require}\n")).unwrap();
+        run(folder.path(), ["check", "."])
+    };
+    // The joint alone: nothing contradicts it.
+    let ran = check("{detects: stated-inverse}");
+    let text = ran.text();
+    assert_eq!(ran.code, 3, "{text}");
+    for words in [
+        "stated-inverse The transform is inverted",
+        "missed in `car.urdf`: joint `lidar_joint`",
+        "needed: a second statement of the transform",
+        "`require: [{detects: stated-inverse, lifted: REASON}]`",
+        "1 requirement is not met.",
+    ] {
+        assert!(text.contains(words), "`{words}` is not in:\n{text}");
+    }
+    assert_eq!(
+        check("{detects: stated-inverse, subject: '*camera*', if: applicable}").code,
+        0
+    );
+    assert_eq!(check("{detects: stated-inverse, subject: '*camera*'}").code, 3);
+    assert_eq!(
+        check("{detects: [stated-inverse]}\n  - {detects: stated-inverse, lifted: no second source}").code,
+        0
+    );
+    fs::write(folder.path().join(stated.0), stated.1).unwrap();
+    let ran = check("{detects: [stated-inverse, stated-z180]}");
+    assert_eq!(ran.code, 0, "{}", ran.text());
+    let ran = check("{detects: [stated-invers]}");
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err.contains(
+            "frames-lint.yaml:2:15: no known mistake is called `stated-invers`; did you mean `stated-inverse`?"
+        ),
+        "{}",
+        ran.err
+    );
+    let report: Value = {
+        check("{detects: imu-wxyz}");
+        run(folder.path(), ["check", ".", "--format", "json"]).report()
+    };
+    assert_eq!(report["required"][0]["rule"], "imu-wxyz");
+    assert_eq!(
+        report["required"][0]["why"][0],
+        "nothing in the data can have this mistake"
+    );
+}
+
+#[test]
+fn the_page_has_blind_spots_and_a_matrix() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("assured.html");
+    let ran = run(root(), ["assure", "fixtures/robots/amr", "-o", page.to_str().unwrap()]);
+    assert_eq!((ran.code, ran.out.len()), (0, 0), "{}", ran.err);
+    let page = fs::read_to_string(page).unwrap();
+    for words in [
+        "What these data would have shown",
+        "Blind spot",
+        "<table class=\"matrix\">",
+        "What to record or add",
+    ] {
+        assert!(page.contains(words), "`{words}` is not in the page");
+    }
+    let accepted = folder.path().join("report.html");
+    run(
+        root(),
+        [
+            "check",
+            "fixtures/robots/amr",
+            "--assure",
+            "-o",
+            accepted.to_str().unwrap(),
+        ],
+    );
+    let accepted = fs::read_to_string(accepted).unwrap();
+    let at = |words: &str| accepted.find(words).unwrap();
+    assert!(at("id=\"decision\"") < at("id=\"assurance\"") && at("id=\"assurance\"") < at("id=\"findings\""));
 }
 
 #[test]

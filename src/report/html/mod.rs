@@ -27,6 +27,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
+use crate::assure::Assurance;
 use crate::run::{FailOn, Run};
 use crate::verdict::Finding;
 
@@ -111,7 +112,22 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
         .into_iter()
         .filter_map(|(id, title, part)| Some((id, title, part?)))
         .collect();
-    let title = summary::title(&page);
+    document(&summary::title(&page), &summary::header(&page), &parts)
+}
+
+/// The page of known mistakes alone.
+pub(super) fn assured(assurance: &Assurance) -> String {
+    let header = html! { header { h1 { "Known mistakes" } } };
+    let part = (
+        "assurance",
+        "What these data would have shown",
+        assurance::render(assurance),
+    );
+    document("frames-lint: known mistakes", &header, &[part])
+}
+
+/// A page of a header and of parts, each with an id and a title.
+fn document(title: &str, header: &Markup, parts: &[(&str, &str, Markup)]) -> String {
     let whole = html! {
         (DOCTYPE)
         html lang="en" {
@@ -127,14 +143,14 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
             }
             body {
                 a class="skip" href="#main" { "Skip to the report" }
-                (summary::header(&page))
+                (header)
                 nav aria-label="Parts of the report" {
                     ul {
-                        @for (id, title, _) in &parts { li { a href={ "#" (id) } { (title) } } }
+                        @for (id, title, _) in parts { li { a href={ "#" (id) } { (title) } } }
                     }
                 }
                 main id="main" tabindex="-1" {
-                    @for (id, title, part) in &parts {
+                    @for (id, title, part) in parts {
                         section id=(id) aria-labelledby={ (id) "-title" } {
                             h2 id={ (id) "-title" } { (title) }
                             (part)

@@ -43,6 +43,7 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
         .measured = vec![Measured::new("tilt", 0.125, "deg").limit(2.0).samples(7)];
     run.verdict.findings[0].waived = Some(waived());
     run.unmet = vec![UnmetRequirement {
+        kind: crate::run::RequirementKind::Rule,
         rule: "A02".to_owned(),
         name: "a-rule".to_owned(),
         subject: Some("*lidar*".to_owned()),
