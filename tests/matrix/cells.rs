@@ -73,7 +73,7 @@ impl<'w> Judged<'w> {
     pub fn with(&self, error: Error) -> Option<Cell> {
         let mut world = self.world.clone();
         let mut staged = None;
-        if let Some(stage) = error.stage() {
+        if let Some(stage) = error.stage {
             if stage.family != self.stream.family || !(stage.put)(&mut world, self.stream) {
                 return None;
             }
@@ -129,12 +129,13 @@ impl<'w> Judged<'w> {
         let mut words = self.stream.words();
         words.extend(
             error
-                .stage()
+                .stage
                 .into_iter()
                 .flat_map(|stage| stage.words.iter().map(ToString::to_string)),
         );
         let is_mine = |row: &&Row| {
-            error.is_seen_in(row) && (row.subject == "platform" || words.iter().any(|word| row.subject.contains(word)))
+            error.fault.is_seen_in(row)
+                && (row.subject == "platform" || words.iter().any(|word| row.subject.contains(word)))
         };
         let rows: Vec<&Row> = verdict.rows.iter().filter(is_mine).collect();
         if let Some(pass) = rows.iter().find(|row| row.outcome == Outcome::Pass) {
@@ -149,7 +150,7 @@ impl<'w> Judged<'w> {
             .collect();
         reasons.dedup();
         if reasons.is_empty() {
-            return Cell::Missed(format!("no row of {}", error.seen_by().join(", ")));
+            return Cell::Missed(format!("no row of {}", error.fault.seen_by.join(", ")));
         }
         Cell::NotEvaluated(reasons.join(" | "))
     }

@@ -91,7 +91,7 @@ fn unjudged_of(world: &World, rules: &Rules) -> Vec<String> {
     if corrected::left_out(world).is_some() {
         return Vec::new();
     }
-    let is_seer = |rule: &str| errors::all().any(|error| error.seen_by().iter().any(|seen| seen.starts_with(rule)));
+    let is_seer = |rule: &str| errors::all().any(|error| error.fault.seen_by.iter().any(|seen| seen.starts_with(rule)));
     let verdict = rules.judge(world);
     let mut unjudged = Vec::new();
     for finding in verdict.findings.iter().filter(|finding| is_seer(&finding.rule)) {
@@ -118,12 +118,12 @@ fn of_world(world: &World, rules: &Rules, only: &[&str]) -> Vec<Line> {
         let mut cells = BTreeMap::new();
         let judged = cells::Judged::of(world, &stream, rules);
         for error in errors::all() {
-            let is_meant = |word: &&str| name.contains(*word) || error.name() == *word;
+            let is_meant = |word: &&str| name.contains(*word) || error.fault.name == *word;
             if !only.is_empty() && !only.iter().any(is_meant) {
                 continue;
             }
             if let Some(cell) = judged.with(error) {
-                cells.insert(error.name(), cell);
+                cells.insert(error.fault.name, cell);
             }
         }
         if !cells.is_empty() {
@@ -159,10 +159,10 @@ fn print(lines: &[Line]) -> Vec<String> {
         }
         let numbers: Vec<String> = (1..=lines.len()).map(|number| format!("{number:4}")).collect();
         println!("\n{:24}{}", "", numbers.concat());
-        for error in errors::all().filter(|error| lines.iter().any(|line| line.cells.contains_key(error.name()))) {
+        for error in errors::all().filter(|error| lines.iter().any(|line| line.cells.contains_key(error.fault.name))) {
             let mut row = String::new();
             for (number, line) in lines.iter().enumerate() {
-                let Some(cell) = line.cells.get(error.name()) else {
+                let Some(cell) = line.cells.get(error.fault.name) else {
                     row.push_str("   .");
                     continue;
                 };
@@ -171,13 +171,13 @@ fn print(lines: &[Line]) -> Vec<String> {
                 if let Some(said) = cell.said() {
                     reasons.push(format!(
                         "{letter} {} {}. {}: {said}",
-                        error.name(),
+                        error.fault.name,
                         number + 1,
                         line.name
                     ));
                 }
             }
-            println!("{:24}{row}", error.name());
+            println!("{:24}{row}", error.fault.name);
         }
     }
     println!(

@@ -7,7 +7,8 @@
 use std::collections::BTreeSet;
 
 use frames_lint::engine::{self, Options, Rules};
-use frames_lint::faults::{self, Fault};
+use frames_lint::faults::motion::{Stream, change_imu};
+use frames_lint::faults::{self, Family, Fault, Subject};
 use frames_lint::world::{Facts, World};
 
 use crate::support;
@@ -162,52 +163,6 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
         let recipe = DRIVE.replace("vehicle: car", &format!("vehicle: {vehicle}"));
         let healthy = collected(&recipe, None);
         eprintln!("{vehicle}, healthy: {:?}", told(&healthy, &rules));
-        if std::env::var("SHOW").is_ok() {
-            let before = told(&healthy, &rules);
-            for fault in faults::catalogue() {
-                for subject in fault.change.subjects(&healthy) {
-                    let mut altered = healthy.clone();
-                    if !fault.change.apply(&mut altered, &subject) {
-                        eprintln!("SHOW {vehicle} {} {}: no change", fault.name, subject.name);
-                        continue;
-                    }
-                    altered.absorb(Facts::default());
-                    let same = fault.change.same_as(&healthy, &subject);
-                    let verdict = rules.judge(&altered);
-                    let new = verdict.findings.iter().filter(|f| {
-                        let key = (
-                            f.rule.clone(),
-                            f.subject.replace(healthy.path(healthy.bags[0].source), "drive"),
-                            f.relation.clone(),
-                        );
-                        !before.contains(&key)
-                    });
-                    let new: Vec<_> = new
-                        .map(|f| {
-                            format!(
-                                "[{} {} {:?} {:?} {}] {}",
-                                if fault.is_named_by(f, &same) { "NAMES" } else { "shows" },
-                                f.rule,
-                                f.relation,
-                                f.confidence,
-                                f.subject,
-                                f.text().replace('\n', " / ")
-                            )
-                        })
-                        .collect();
-                    let rows: Vec<_> = verdict
-                        .rows
-                        .iter()
-                        .filter(|row| fault.is_seen_in(row) && subject.is_in(&row.subject))
-                        .map(|row| format!("{} {:?} {}", row.rule, row.outcome, row.reason.as_deref().unwrap_or("")))
-                        .collect();
-                    eprintln!(
-                        "SHOW {vehicle} {} {} same {same:?}: {new:#?} {rows:?}",
-                        fault.name, subject.name
-                    );
-                }
-            }
-        }
         for (name, stream, knob) in MADE {
             let fault = known(name);
             let word = format!("`/{stream}`");
@@ -244,4 +199,16 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
         same + differences.len()
     );
     assert!(differences.is_empty(), "{}", differences.join("\n"));
+}
+
+#[test]
+fn without_an_orientation_mistakes_of_all_axes_are_one() {
+    let mut world = collected(&DRIVE.replace("duration_s: 60", "duration_s: 5"), None);
+    let stream = Stream::all(&world).find(|stream| stream.family == Family::Imu).unwrap();
+    change_imu(&mut world, &stream, |message| message.orientation = [0.0; 4]);
+    let subject = Subject::from(stream);
+    let same = known("imu-ned-frd").change.same_as(&world, &subject);
+    assert_eq!(same, ["ned-frd", "upside-down", "sensor-frd"]);
+    assert!(!known("imu-conjugate").change.apply(&mut world, &subject));
+    assert!(known("imu-ned-frd").change.apply(&mut world, &subject));
 }

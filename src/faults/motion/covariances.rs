@@ -4,6 +4,9 @@ use nalgebra::{DMatrix, Matrix3, Matrix6, SMatrix, SymmetricEigen};
 
 use crate::world::content::{ContentEvidence, CovarianceAt, CovarianceEvidence};
 
+/// Moments at which a constant matrix is repeated at most.
+const SPREAD: usize = 48;
+
 /// Row-major numbers of a matrix.
 fn row_major<const N: usize, const M: usize>(matrix: &SMatrix<f64, N, N>) -> [f64; M] {
     let mut numbers = [0.0; M];
@@ -80,6 +83,47 @@ pub fn change_covariances<const N: usize>(
         }
     }
     measure(evidence);
+}
+
+/// Repeats a matrix that is the same in all messages at some of the moments of a stream: with other numbers at each it would be kept at
+/// each. The moments are messages, by stamp and log time in nanoseconds. Gives the one matrix.
+pub(super) fn spread_constant(
+    content: &mut ContentEvidence,
+    field: &str,
+    moments: impl ExactSizeIterator<Item = [i64; 2]>,
+) -> Option<CovarianceAt> {
+    let evidence = content.covariances.get_mut(field)?;
+    let [only] = evidence.samples.as_slice() else {
+        return None;
+    };
+    let only = only.clone();
+    let step = moments.len().div_ceil(SPREAD).max(1);
+    let spread = moments.step_by(step).map(|[stamp_ns, log_ns]| {
+        let mut sample = only.clone();
+        (sample.count, sample.at.log_ns) = (1, log_ns);
+        sample.at.stamp_ns = sample.at.stamp_ns.map(|_| stamp_ns);
+        sample
+    });
+    let spread: Vec<CovarianceAt> = spread.collect();
+    if spread.is_empty() {
+        return None;
+    }
+    evidence.samples = spread;
+    Some(only)
+}
+
+/// Makes the matrices of [`spread_constant`] one again, where they are still the same.
+pub(super) fn join_constant(content: &mut ContentEvidence, field: &str, only: CovarianceAt) {
+    let Some(evidence) = content.covariances.get_mut(field) else {
+        return;
+    };
+    let Some((first, others)) = evidence.samples.split_first() else {
+        return;
+    };
+    if others.iter().all(|other| other.values == first.values) {
+        let values = first.values.clone();
+        evidence.samples = vec![CovarianceAt { values, ..only }];
+    }
 }
 
 /// Measures anew how far from valid the worst of the matrices are.

@@ -166,10 +166,11 @@ impl Change for ImuChange {
                 changed(row, *has_orientation, self.change).is_same(&changed(row, *has_orientation, other))
             })
         };
-        let same = self
-            .known
-            .iter()
-            .filter(|(_, other)| !rows.is_empty() && is_same(other));
+        let changes_nothing: fn(&mut ImuMessage) = |_| {};
+        if is_same(&changes_nothing) {
+            return Vec::new();
+        }
+        let same = self.known.iter().filter(|(_, other)| is_same(other));
         same.map(|(relation, _)| *relation).collect()
     }
 }

@@ -50,10 +50,13 @@ pub(super) struct PlaceChange(pub(super) fn(&PlacedPose) -> Option<PlacedPositio
 
 impl Change for PlaceChange {
     fn subjects(&self, world: &World) -> Vec<Subject> {
-        let has_fixes = |stream: &Stream| !fixes(world, stream).is_empty();
-        let is_meant =
-            |stream: &Stream| stream.family == Family::Pose && stream.moving != MovingFrame::World && has_fixes(stream);
-        Stream::all(world).filter(is_meant).map(Subject::from).collect()
+        let poses = Stream::all(world).filter(|stream| stream.family == Family::Pose);
+        let (corrections, streams): (Vec<Stream>, Vec<Stream>) =
+            poses.partition(|stream| stream.moving == MovingFrame::World);
+        // Odometry that is corrected has no place on the Earth of its own.
+        let is_corrected = |stream: &Stream| corrections.iter().any(|other| other.corrects(stream));
+        let is_meant = |stream: &Stream| !is_corrected(stream) && !fixes(world, stream).is_empty();
+        streams.into_iter().filter(is_meant).map(Subject::from).collect()
     }
 
     fn apply(&self, world: &mut World, subject: &Subject) -> bool {

@@ -9,7 +9,7 @@ use crate::world::claim::Pose;
 use crate::world::content::{ContentEvidence, OdometryEvidence, StepAt, StepEvidence};
 use crate::world::motion::{PoseRow, Series, Twist};
 
-use super::covariances::{change_covariances, is_stated, rotate6};
+use super::covariances::{change_covariances, is_stated, join_constant, rotate6, spread_constant};
 use super::streams::{MovingFrame, Stream};
 use super::turns::{Oriented, diagonal, distance, is_same_orientation, is_same_vector, mirrored, rotation, turned};
 
@@ -146,8 +146,10 @@ impl Oriented for PoseMessage {
 pub(super) enum PoseNeed {
     /// Nothing.
     Anything,
-    /// An orientation of a frame of the platform that changes.
+    /// An orientation of the base, or of a frame that is not named, that changes.
     Orientation,
+    /// An orientation of the base that changes.
+    Base,
     /// A twist.
     Twist,
     /// A velocity to the side.
@@ -191,20 +193,18 @@ impl Change for PoseChange {
         };
         let rows: Vec<&PoseRow> = stream.pose_sections(world).flatten().collect();
         let step = rows.len().div_ceil(COMPARED_ROWS).max(1);
-        let is_same = |other: fn(&mut PoseMessage)| {
-            rows.iter().step_by(step).all(|row| {
-                let with = |change: fn(&mut PoseMessage)| {
-                    let mut message = PoseMessage::of_row(row, &[0.0; 36]);
-                    change(&mut message);
-                    message
-                };
-                with(self.change).is_same(&with(other))
+        let with = |change: fn(&mut PoseMessage)| {
+            rows.iter().step_by(step).map(move |row| {
+                let mut message = PoseMessage::of_row(row, &[0.0; 36]);
+                change(&mut message);
+                message
             })
         };
-        let same = self
-            .known
-            .iter()
-            .filter(|(_, other)| !rows.is_empty() && is_same(*other));
+        let is_same = |other: fn(&mut PoseMessage)| with(self.change).zip(with(other)).all(|(a, b)| a.is_same(&b));
+        if is_same(|_| {}) {
+            return Vec::new();
+        }
+        let same = self.known.iter().filter(|(_, other)| is_same(*other));
         same.map(|(relation, _)| *relation).collect()
     }
 }
@@ -219,13 +219,14 @@ impl PoseNeed {
         };
         let rows = || stream.pose_sections(world).flatten();
         let twists = || rows().filter_map(|row| row.twist);
+        let turns = || {
+            let first = rows().next().map(|row| row.orientation.map(f64::to_bits));
+            rows().any(|row| Some(row.orientation.map(f64::to_bits)) != first)
+        };
         match self {
             Self::Anything => true,
-            Self::Orientation => {
-                let first = rows().next().map(|row| row.orientation.map(f64::to_bits));
-                let differs = |row: &PoseRow| Some(row.orientation.map(f64::to_bits)) != first;
-                matches!(stream.moving, MovingFrame::Base | MovingFrame::Unnamed) && rows().any(differs)
-            }
+            Self::Orientation => turns() && matches!(stream.moving, MovingFrame::Base | MovingFrame::Unnamed),
+            Self::Base => turns() && stream.moving == MovingFrame::Base,
             Self::Twist => twists().any(|twist| {
                 let mut numbers = twist.linear.into_iter().chain(twist.angular);
                 numbers.any(|value| value.is_finite() && value != 0.0)
@@ -262,6 +263,8 @@ fn change_content(content: &mut ContentEvidence, change: &mut impl FnMut(&mut Po
         ),
         ("twist.covariance", |told| told.twist_covariance),
     ] {
+        let moments = before.iter().map(|row| [row.stamp_ns, row.log_ns]);
+        let only = spread_constant(content, field, moments);
         change_covariances::<36>(content, field, |sample, values| {
             let near = before.iter().min_by_key(|row| row.log_ns.abs_diff(sample.at.log_ns));
             let Some(near) = near else { return values };
@@ -271,6 +274,9 @@ fn change_content(content: &mut ContentEvidence, change: &mut impl FnMut(&mut Po
             is_changed |= !is_same_vector(new, values);
             new
         });
+        if let Some(only) = only {
+            join_constant(content, field, only);
+        }
     }
     let Some(poses) = &mut content.motion.poses else {
         return is_changed;

@@ -183,6 +183,15 @@ impl Stream {
         self.places.contains(&StreamPlace::of_edge(edge))
     }
 
+    /// Whether it is the correction of a frame that another stream is expressed in.
+    pub(super) fn corrects(&self, other: &Self) -> bool {
+        let is_parent = |place: &StreamPlace| match place {
+            StreamPlace::Edge { child, .. } => other.frames.contains(child),
+            StreamPlace::Topic { .. } => false,
+        };
+        self.bag == other.bag && self.moving == MovingFrame::World && self.places.iter().any(is_parent)
+    }
+
     /// Its edges of TF.
     pub(super) fn edges<'w>(&'w self, world: &'w World) -> impl Iterator<Item = &'w TfEdge> {
         let bag = world.bags.get(self.bag);

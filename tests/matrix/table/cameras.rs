@@ -1,12 +1,14 @@
 //! Errors of optical frames, and of cameras that are staged in them.
 
+use frames_lint::faults::Fault;
 use nalgebra::{Isometry3, Vector3};
 
+use super::StagedFault;
 use crate::cameras::{self, CAMERA, STEREO};
-use crate::errors::{Change, StagedError};
+use crate::errors::Change;
 use crate::lidars::turn;
 
-pub static ERRORS: &[StagedError] = &[
+pub static ERRORS: &[StagedFault] = &[
     error!(
         "optical not rotated",
         Change::Frames(|_| Isometry3::identity()),

@@ -1,8 +1,10 @@
 //! Errors of a lidar that is staged beside a recording's poses.
 
+use frames_lint::faults::Fault;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::errors::{Change, StagedError};
+use super::StagedFault;
+use crate::errors::Change;
 use crate::lidars::{LIDAR, LidarSetup, RIGHT, optical, set_lidar, turn};
 use crate::support::clouds::Times;
 
@@ -45,7 +47,7 @@ macro_rules! other_frame {
     };
 }
 
-pub static ERRORS: &[StagedError] = &[
+pub static ERRORS: &[StagedFault] = &[
     lidar!(
         "cloud z down",
         LidarSetup {

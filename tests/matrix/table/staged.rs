@@ -1,6 +1,9 @@
 //! Errors of what no recording at hand says by itself: it is first staged, rightly, beside the evidence, then wrong.
 
-use crate::errors::{Change, StagedError};
+use frames_lint::faults::Fault;
+
+use super::StagedFault;
+use crate::errors::Change;
 use crate::stages::{self, CARLA, CLOUD, CORRECTION, EARTH, HEADING, XSENS};
 use crate::support::drive::errors::Error as Known;
 
@@ -20,7 +23,7 @@ macro_rules! earth {
     };
 }
 
-pub static ERRORS: &[StagedError] = &[
+pub static ERRORS: &[StagedFault] = &[
     earth!("earth>map transposed", Transposed, "transposed"),
     earth!("earth>map in NED", NedRows, "ned-enu"),
     earth!("earth>map of a sphere", SphericalLatitude, "spherical-latitude"),

@@ -2,7 +2,7 @@
 
 use super::super::fixes::FixChange;
 use super::super::origins::OriginChange;
-use super::MIRRORED;
+use super::{MIRRORED, POSITION};
 use crate::faults::{Family, Fault};
 
 /// To record for a receiver.
@@ -36,7 +36,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "Latitude and longitude are swapped.",
         FixChange::Message(|fix| std::mem::swap(&mut fix.latitude, &mut fix.longitude)),
         ["mirrored", "swapped"],
-        [MIRRORED, "swapped"],
+        [MIRRORED, POSITION, "swapped"],
         ["AXES07"],
         WITH_ODOMETRY
     ),

@@ -10,7 +10,7 @@ use super::super::turns::{
     Oriented, angles_in_degrees, compass_yaw, conjugate, diagonal, euler_xyz, ned_frd, ned_orientation, ned_world,
     quarters, wxyz, wxyz_conjugate, xy_swap, zero_north,
 };
-use super::{WITH_IMU, WITH_MOUNT, WITH_TRACK};
+use super::{CONSTANT, WITH_IMU, WITH_MOUNT, WITH_TRACK};
 use crate::faults::{Family, Fault};
 use crate::math::constants::flu_frd;
 
@@ -116,7 +116,11 @@ pub(super) static FAULTS: &[Fault] = &[
         Orientation,
         wxyz_conjugate,
         ["wxyz-inverse"],
-        ["in the order w, x, y, z, and inverted"],
+        [
+            "in the order w, x, y, z, and inverted",
+            "the inverse would be as level",
+            "read as the inverse"
+        ],
         ["QUAT01"],
         WITH_IMU
     ),
@@ -126,7 +130,11 @@ pub(super) static FAULTS: &[Fault] = &[
         Orientation,
         compass_yaw,
         ["compass-yaw"],
-        ["the yaw is a compass heading", "does not follow its gyro about z"],
+        [
+            "the yaw is a compass heading",
+            "yaw increases clockwise, opposite to the course",
+            "does not follow its gyro about z"
+        ],
         ["QUAT01", "AXES04"],
         WITH_IMU
     ),
@@ -136,7 +144,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Orientation,
         zero_north,
         ["driver-setting"],
-        ["a yaw that is zero in the north"],
+        ["a yaw that is zero in the north", "the yaw is zero in the north"],
         ["AXES04", "SENSOR06 zero"],
         WITH_TRACK
     ),
@@ -148,6 +156,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["rx-ry-rz", "xyz"],
         [
             "does not follow its gyro about",
+            "is composed as",
             "composed as Rx Ry Rz",
             "Rx(roll) Ry(pitch) Rz(yaw)"
         ],
@@ -374,8 +383,8 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         |message| message.change_body(&quarters(1.0)),
         ["turned-mount"],
-        ["mounted with a yaw", "a sensor rotated to the left"],
-        ["AXES06"],
+        ["mounted with a yaw", "a sensor rotated to the left", CONSTANT],
+        ["AXES06", "QUAT04"],
         WITH_TRACK
     ),
     imu!(
@@ -384,8 +393,8 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         |message| message.change_body(&quarters(2.0)),
         ["turned-mount"],
-        ["mounted with a yaw", "a sensor mounted backwards"],
-        ["AXES06"],
+        ["mounted with a yaw", "a sensor mounted backwards", CONSTANT],
+        ["AXES06", "QUAT04"],
         WITH_TRACK
     ),
     imu!(
@@ -394,8 +403,8 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         |message| message.change_body(&quarters(-1.0)),
         ["turned-mount"],
-        ["its y axis points forward", "whose y axis points forward"],
-        ["AXES06"],
+        ["its y axis points forward", "whose y axis points forward", CONSTANT],
+        ["AXES06", "QUAT04"],
         WITH_TRACK
     ),
     imu!(
@@ -404,8 +413,8 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         upside_down,
         ["upside-down"],
-        ["the sensor is mounted upside down"],
-        ["AXES01", "AXES05"],
+        ["the sensor is mounted upside down", CONSTANT],
+        ["AXES01", "AXES05", "QUAT04"],
         WITH_MOUNT
     ),
     imu!(
@@ -414,8 +423,8 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         on_its_side,
         ["on-its-side"],
-        ["the sensor is mounted on its side"],
-        ["AXES01"],
+        ["the sensor is mounted on its side", CONSTANT],
+        ["AXES01", "QUAT04"],
         WITH_MOUNT
     ),
     imu!(

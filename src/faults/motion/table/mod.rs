@@ -10,6 +10,11 @@ use crate::faults::Fault;
 /// What a finding on a sensor says of the track that it is held against.
 const MIRRORED: &str = "the track it is compared with is mirrored";
 
+/// What a finding on a velocity says of the position that may be wrong instead.
+const POSITION: &str = "the position or the orientation beside it may be wrong";
+/// What a finding on two orientations says of axes of the body.
+const CONSTANT: &str = "differ by a constant body rotation";
+
 /// To record for whatever shows in the motion of an inertial sensor.
 const WITH_IMU: &str = "a minute of driving with turns, with the IMU's orientation and gyro";
 /// To record for whatever shows only against the platform's motion.

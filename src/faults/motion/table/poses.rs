@@ -9,7 +9,7 @@ use super::super::origins::CorrectionChange;
 use super::super::places::{PlaceChange, PlacedPose};
 use super::super::poses::{KnownPoseMistake, PoseChange, PoseMessage, PoseNeed};
 use super::super::turns::{Oriented, compass_yaw, conjugate, diagonal, ned_frd, ned_world, quarters, wxyz, xy_swap};
-use super::{MIRRORED, WITH_FIXES, WITH_TWIST};
+use super::{CONSTANT, MIRRORED, POSITION, WITH_FIXES, WITH_TWIST};
 use crate::faults::{Family, Fault};
 use crate::math::constants::flu_frd;
 
@@ -86,7 +86,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         xy_swapped,
         ["mirrored"],
-        [MIRRORED],
+        [MIRRORED, POSITION],
         ["AXES07", "AXES08 velocity"],
         WITH_FIXES
     ),
@@ -96,7 +96,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         x_negated,
         ["mirrored"],
-        [MIRRORED, "moves backwards throughout"],
+        [MIRRORED, POSITION, "moves backwards throughout"],
         ["AXES07", "AXES08 velocity"],
         WITH_FIXES
     ),
@@ -106,7 +106,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         y_negated,
         ["mirrored"],
-        [MIRRORED],
+        [MIRRORED, POSITION],
         ["AXES07", "AXES08 velocity"],
         WITH_FIXES
     ),
@@ -166,7 +166,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         ned_frd,
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", "has z down", "may have z down", MIRRORED],
+        ["north, east, down", "has z down", "may have z down", MIRRORED, POSITION],
         ["AXES07", "AXES14"],
         WITH_FIXES
     ),
@@ -176,7 +176,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         ned_world,
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", "has z down", "may have z down", MIRRORED],
+        ["north, east, down", "has z down", "may have z down", MIRRORED, POSITION],
         ["AXES07", "AXES14"],
         WITH_SENSOR
     ),
@@ -186,44 +186,44 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         |message| message.mirror(),
         ["mirrored", "left-handed"],
-        [MIRRORED],
+        [MIRRORED, POSITION],
         ["AXES07", "SENSOR09"],
         WITH_FIXES
     ),
     pose!(
         "pose-base-frd",
         "The base is forward, right, down where forward, left, up is meant.",
-        Orientation,
+        Base,
         |message| message.change_body(&flu_frd()),
         ["frd", "flu-frd"],
-        ["forward, right, down"],
-        ["AXES13"],
+        ["forward, right, down", CONSTANT],
+        ["AXES13", "QUAT04"],
         WITH_SENSOR
     ),
     pose!(
         "pose-base-y-forward",
         "The base is right, forward, up where forward, left, up is meant.",
-        Orientation,
+        Base,
         |message| message.change_body(&quarters(-1.0)),
         ["rfu"],
-        ["right, forward, up"],
-        ["AXES13"],
+        ["right, forward, up", CONSTANT],
+        ["AXES13", "QUAT04"],
         WITH_SENSOR
     ),
     pose!(
         "pose-base-backward",
         "The base's x axis points to the rear.",
-        Orientation,
+        Base,
         |message| message.change_body(&quarters(2.0)),
         ["bru"],
-        ["backward"],
-        ["AXES13"],
+        ["backward", CONSTANT],
+        ["AXES13", "QUAT04"],
         WITH_SENSOR
     ),
     pose!(
         "pose-body-on-the-left",
         "The rotation of the body is multiplied on the left of the orientation where right is meant.",
-        Orientation,
+        Base,
         |message| message.turn(|told| UnitQuaternion::from(flu_frd()) * told),
         ["x180", "frd", "z-down", "flu-frd"],
         ["stands on the", "is upside down in", "-z points up"],
@@ -233,7 +233,7 @@ pub(super) static FAULTS: &[Fault] = &[
     pose!(
         "pose-world-on-the-right",
         "The rotation of the world is multiplied on the right of the orientation where left is meant.",
-        Orientation,
+        Base,
         |message| message
             .turn(|told| { told * UnitQuaternion::from(Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2)) }),
         ["rfu"],
