@@ -36,7 +36,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             ],
         ),
         // The catalogue of mistakes names relations and the rules that should see them.
-        ("faults", &["source", "world", "verdict", "math"]),
+        ("faults", &["source", "world", "verdict", "math", "tables"]),
         ("assure", &["source", "world", "verdict", "faults", "progress"]),
         ("run", &["source", "world", "verdict", "page", "assure"]),
         (
