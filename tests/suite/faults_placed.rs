@@ -1,13 +1,7 @@
 //! Mistakes of the catalogue, put into evidence and into files: both must be judged alike; and those that the evidence shows must be
 //! named.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stderr,
-    clippy::indexing_slicing,
-    clippy::many_single_char_names
-)]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stderr, clippy::indexing_slicing)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -468,7 +462,6 @@ fn what_a_platform_shows_is_named() {
     let rules = Rules::select(&[]).unwrap();
     let healthy = Platform::healthy(30).world();
     let before = rules.judge(&healthy);
-    eprintln!("healthy: {:#?}", said(&before, &healthy));
     let mut missed = Vec::new();
     for case in CASES {
         let fault = fault(case.fault);
