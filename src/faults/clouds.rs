@@ -138,34 +138,36 @@ fn untimed(topic: &mut TopicEvidence) -> bool {
     !fields.is_empty()
 }
 
-/// Changes the times of the points; `of_slice` those after the earliest in a slice.
+/// Changes the times of the points; `of_slice` those after the earliest in a slice, of which the last is given.
 fn retimed(
     topic: &mut TopicEvidence,
     time: impl Fn(f64, &PointTimes) -> f64,
-    of_slice: impl Fn(f64, f64, &str) -> f64,
+    of_slice: impl Fn(f64, f64, &PointTimes) -> f64,
 ) -> bool {
     let Some(clouds) = &mut topic.content.clouds else {
         return false;
     };
-    let mut datatype = String::new();
+    let mut known = None;
     for sample in &mut clouds.samples {
         let Some(times) = sample.times.take() else { continue };
         for point in &mut sample.points {
             point.time = held(time(point.time, &times), &times.datatype);
         }
-        datatype.clone_from(&times.datatype);
-        sample.times = times.of(sample.points.iter().map(|point| point.time).collect());
+        let changed = times.clone().of(sample.points.iter().map(|point| point.time).collect());
+        sample.times = changed;
+        known.get_or_insert(times);
     }
+    let Some(times) = known else { return false };
     for slice in clouds.runs.iter_mut().flatten() {
         let last = slice.after.iter().copied().fold(0.0, f64::max);
         for after in &mut slice.after {
-            *after = held(of_slice(*after, last, &datatype), &datatype);
+            *after = held(of_slice(*after, last, &times), &times.datatype);
         }
         if slice.after.iter().all(|after| *after == 0.0) {
             slice.after.clear();
         }
     }
-    !datatype.is_empty()
+    true
 }
 
 /// A number as a field of this type holds it.
@@ -178,9 +180,10 @@ fn held(value: f64, datatype: &str) -> f64 {
     }
 }
 
-/// What a time is multiplied by where its unit is a thousand times as large, or as small where whole numbers hold no fraction.
-fn other_unit(datatype: &str) -> f64 {
-    if datatype.starts_with("float") { 1e3 } else { 1e-3 }
+/// What a time is multiplied by where its unit is a thousand times as large, or as small where the numbers are large.
+fn other_unit(times: &PointTimes) -> f64 {
+    let [first, last] = times.quantiles;
+    if last - first > 1e3 { 1e-3 } else { 1e3 }
 }
 
 /// A mistake of a cloud.
@@ -293,8 +296,8 @@ pub(super) static FAULTS: &[Fault] = &[
         |topic| {
             retimed(
                 topic,
-                |time, times| time * other_unit(&times.datatype),
-                |after, _, datatype| after * other_unit(datatype),
+                |time, times| time * other_unit(times),
+                |after, _, times| after * other_unit(times),
             )
         },
         "The times of the points of a cloud are in another unit than its driver has: milliseconds for seconds, or microseconds for nanoseconds.",

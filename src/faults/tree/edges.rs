@@ -184,6 +184,7 @@ fn settle(world: &mut World, bag: usize, changed: &TfEdge) {
         is_tf && used.place.source == source && used.place.topic() == Some(topic)
     };
     let edges = evidence.tf.iter().filter(|edge| edge.topic == topic);
+    // An empty name is no use.
     let uses = edges.flat_map(|edge| {
         [(&edge.parent, FrameRole::TfParent), (&edge.child, FrameRole::TfChild)].map(|(frame, role)| FrameUse {
             frame: frame.clone(),
@@ -193,7 +194,7 @@ fn settle(world: &mut World, bag: usize, changed: &TfEdge) {
         })
     });
     let mut made: Vec<FrameUse> = Vec::new();
-    for used in uses {
+    for used in uses.filter(|used| !used.frame.as_str().is_empty()) {
         match made
             .iter_mut()
             .find(|known| (&known.frame, known.role) == (&used.frame, used.role))
