@@ -255,6 +255,14 @@ fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
             let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
         }
+        Some(row) if row.subject == "platform" => {
+            let reason = row.reason.as_deref().unwrap_or_default();
+            format!(
+                "{}: {}",
+                row.rule,
+                reason.strip_prefix("not applicable: ").unwrap_or(reason)
+            )
+        }
         Some(row) => format!(
             "{} of {}: {}",
             row.rule,

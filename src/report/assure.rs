@@ -19,10 +19,13 @@ pub const SCHEMA: &str = "frames-lint-assure/1";
 
 /// Maximum number of groups of one outcome in a text.
 const MAX_GROUPS: usize = 60;
+/// Maximum number of subjects and of mistakes of a group in a text.
+const MAX_NAMED: usize = 8;
 
 /// Mistakes with the same outcome for the same reason, and the subjects that they were tried on.
 pub(super) struct Group<'a> {
     pub(super) first: &'a Trial,
+    /// Not all of them apply to each of the subjects.
     pub(super) faults: Vec<&'static str>,
     pub(super) subjects: Vec<String>,
 }
@@ -30,47 +33,57 @@ pub(super) struct Group<'a> {
 impl<'a> Group<'a> {
     /// The trials with this outcome, in the order of the first of each group.
     pub(super) fn of(assurance: &'a Assurance, outcome: TrialOutcome) -> Vec<Self> {
-        let mut by_subject: Vec<Self> = Vec::new();
+        let mut groups: Vec<Self> = Vec::new();
         let mut numbers = BTreeMap::new();
         let first = assurance.trials.first().map(|trial| &trial.platform);
         let are_several = assurance.trials.iter().any(|trial| Some(&trial.platform) != first);
         for trial in assurance.trials.iter().filter(|trial| trial.outcome == outcome) {
-            let name = subject(trial, are_several);
-            let number = *numbers.entry((name.clone(), why(trial))).or_insert_with(|| {
-                by_subject.push(Self {
+            let number = *numbers.entry(why(trial)).or_insert_with(|| {
+                groups.push(Self {
                     first: trial,
                     faults: Vec::new(),
-                    subjects: vec![name],
+                    subjects: Vec::new(),
                 });
-                by_subject.len() - 1
+                groups.len() - 1
             });
-            if let Some(group) = by_subject.get_mut(number) {
-                group.faults.push(trial.fault.name);
-            }
-        }
-        let mut groups: Vec<Self> = Vec::new();
-        for one in by_subject {
-            let is_same = |group: &&mut Self| (why(group.first), &group.faults) == (why(one.first), &one.faults);
-            match groups.iter_mut().find(is_same) {
-                Some(group) => group.subjects.extend(one.subjects),
-                None => groups.push(one),
+            if let Some(group) = groups.get_mut(number) {
+                add(&mut group.faults, trial.fault.name);
+                add(&mut group.subjects, subject(trial, are_several));
             }
         }
         groups
     }
 
-    fn subjects(&self) -> String {
-        self.subjects.join("; ")
+    /// The subjects, at most a number of them.
+    fn subjects(&self, most: usize) -> String {
+        shortened(self.subjects.iter().map(String::as_str), "; ", most)
     }
 
-    /// The mistakes, and how many there are of them if that is not plain to see.
-    fn faults(&self) -> String {
-        let names = self.faults.join(", ");
+    /// The mistakes, at most a number of them.
+    fn faults(&self, most: usize) -> String {
+        let names = shortened(self.faults.iter().copied(), ", ", most);
         match self.faults.len() {
             count if count > 3 => format!("{count} mistakes: {names}"),
             _ => names,
         }
     }
+}
+
+/// Adds what is not there yet.
+fn add<T: PartialEq>(list: &mut Vec<T>, item: T) {
+    if !list.contains(&item) {
+        list.push(item);
+    }
+}
+
+/// The first items, and how many more there are.
+fn shortened<'t>(items: impl ExactSizeIterator<Item = &'t str>, separator: &str, most: usize) -> String {
+    let more = items.len().saturating_sub(most);
+    let mut shown: Vec<String> = items.take(most).map(str::to_owned).collect();
+    if more > 0 {
+        shown.push(format!("and {more} more"));
+    }
+    shown.join(separator)
 }
 
 /// What trials of one group have in common.
@@ -135,12 +148,14 @@ pub(super) fn section(
         return;
     }
     let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
+    let named = if most == usize::MAX { most } else { MAX_NAMED };
     for group in groups.iter().take(most) {
-        let _ = writeln!(out, "{}", wrap(&one_line(&group.subjects()), style.width, "  ", "    "));
+        let subjects = one_line(&group.subjects(named));
+        let _ = writeln!(out, "{}", wrap(&subjects, style.width, "  ", "    "));
         let mut line = |text: &str| {
             let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
         };
-        line(&group.faults());
+        line(&group.faults(named));
         if let Some(reason) = &group.first.reason {
             line(&format!("why: {reason}"));
             line(&format!("record or add: {}", group.first.fault.record));
@@ -279,7 +294,12 @@ pub fn markdown(assurance: &Assurance) -> String {
         });
         for group in groups {
             let faults: Vec<String> = group.faults.iter().map(|name| code(name)).collect();
-            let _ = write!(out, "| {} | {} |", escaped(&group.subjects()), faults.join(", "));
+            let _ = write!(
+                out,
+                "| {} | {} |",
+                escaped(&group.subjects(usize::MAX)),
+                faults.join(", ")
+            );
             let _ = match &group.first.reason {
                 Some(reason) => writeln!(out, " {} | {} |", escaped(reason), escaped(group.first.fault.record)),
                 None => writeln!(out, " {} |", escaped(&list(&group.first.rules))),

@@ -1,7 +1,13 @@
 //! Mistakes of the catalogue, put into evidence and into files: both must be judged alike; and those that the evidence shows must be
 //! named.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stderr, clippy::indexing_slicing)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::indexing_slicing,
+    clippy::assigning_clones
+)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -369,7 +375,7 @@ const CASES: &[Case] = &[
         |it| it.imu_quaternion = "[0, 0, 0, 1.01]".to_owned()
     ),
     case!("quaternion-zero", "`base_link` from `imu_link` on /tf_static", |it| {
-        it.imu_quaternion = "[0, 0, 0, 0]".to_owned()
+        it.imu_quaternion = "[0, 0, 0, 0]".to_owned();
     }),
 ];
 
