@@ -10,7 +10,7 @@ use crate::world::World;
 use super::governed::Governance;
 use super::plan::Choice;
 use super::timings::{Phase, Timings};
-use super::{Options, UsageError, judge};
+use super::{Options, Rules, UsageError, judge};
 
 impl RuleRunner for Choice {
     fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict {
@@ -22,6 +22,12 @@ impl RuleRunner for Choice {
             None,
             &Timings::default(),
         )
+    }
+}
+
+impl RuleRunner for Rules {
+    fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict {
+        RuleRunner::judge(&self.0, world, is_wanted)
     }
 }
 

@@ -14,7 +14,7 @@ use frames_lint::world::{Facts, World};
 use crate::support;
 
 /// A drive; `@` and a word stand where a mistake of that stream is put in.
-const DRIVE: &str = "
+pub(crate) const DRIVE: &str = "
 duration_s: 60
 drive: {vehicle: car, motion: turning, seed: 2, tilt_deg: 3, place: {latitude: 48, longitude: 11.5, altitude: 500}}
 topics:
@@ -118,7 +118,7 @@ const MADE: &[(&str, &str, &str)] = &[
 type Told = (String, String, Option<String>);
 
 /// What a drive with this made in a stream is collected as.
-fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
+pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     let mut recipe = recipe.to_owned();

@@ -24,7 +24,7 @@ use crate::support;
 
 /// A platform as its files tell it: a description, a calibration and a recording.
 #[derive(Clone)]
-struct Platform {
+pub(crate) struct Platform {
     seconds: u32,
     /// `base_link_from_os_sensor`, in the description and in the recording.
     lidar: Isometry3<f64>,
@@ -68,7 +68,7 @@ fn lidar_mount() -> Isometry3<f64> {
 }
 
 impl Platform {
-    fn healthy(seconds: u32) -> Self {
+    pub(crate) fn healthy(seconds: u32) -> Self {
         let imu_from_lidar = pose([-0.31, 0.08, 1.25], [2.0, -3.0, 40.0]);
         Self {
             seconds,
@@ -198,7 +198,7 @@ topics:
     }
 
     /// The world that is read of its files.
-    fn world(&self) -> World {
+    pub(crate) fn world(&self) -> World {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("rover.urdf"), self.urdf()).unwrap();
         fs::write(folder.path().join("calibration.yaml"), self.calibration()).unwrap();

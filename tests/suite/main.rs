@@ -37,6 +37,7 @@ mod drives;
 mod evidence;
 mod faults_motion;
 mod faults_placed;
+mod faults_shown;
 mod fixes;
 mod formats;
 mod foxglove;

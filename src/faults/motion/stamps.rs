@@ -1,5 +1,6 @@
 //! Mistakes in the stamps of messages.
 
+use crate::faults::mountings::is_of_a_sensor;
 use crate::faults::{Change, Subject, SubjectPlace};
 use crate::source::MessageRef;
 use crate::tables::leap_seconds;
@@ -32,7 +33,10 @@ impl Change for StampChange {
     fn subjects(&self, world: &World) -> Vec<Subject> {
         let bags = world.bags.iter().enumerate();
         let topics = bags.flat_map(|(bag, evidence)| evidence.topics.values().map(move |topic| (bag, topic)));
-        topics.filter(|(_, topic)| is_stamped(topic)).map(subject).collect()
+        topics
+            .filter(|(_, topic)| self.applies_to(topic))
+            .map(subject)
+            .collect()
     }
 
     fn apply(&self, world: &mut World, subject: &Subject) -> bool {
@@ -40,7 +44,7 @@ impl Change for StampChange {
             return false;
         };
         let topic = world.bags.get_mut(*bag).and_then(|bag| bag.topics.get_mut(topic));
-        let Some(topic) = topic.filter(|topic| is_stamped(topic)) else {
+        let Some(topic) = topic.filter(|topic| self.applies_to(topic)) else {
             return false;
         };
         let log_s = topic.first_log_ns.unwrap_or_default() as f64 / NS_PER_S;
@@ -57,6 +61,19 @@ impl Change for StampChange {
     }
 }
 
+impl StampChange {
+    /// Whether a topic has stamps that are not zero, and what shows the mistake: an offset of less than a second shows in motion only.
+    fn applies_to(&self, topic: &TopicEvidence) -> bool {
+        let is_small = match self {
+            Self::Ahead(seconds) => seconds.abs() < 1.0,
+            Self::OnArrival(_) => true,
+            Self::GpsTime | Self::Tai | Self::GpsEpoch | Self::Zero => false,
+        };
+        let has_stamps = topic.stamps.count > topic.stamps.zero;
+        has_stamps && (has_motion(topic) || !is_small && is_of_a_sensor(topic))
+    }
+}
+
 /// A topic as a subject.
 fn subject((bag, topic): (usize, &TopicEvidence)) -> Subject {
     let word = format!("`{}`", topic.topic);
@@ -70,9 +87,9 @@ fn subject((bag, topic): (usize, &TopicEvidence)) -> Subject {
     }
 }
 
-/// Whether a topic has motion, with stamps that are not zero.
-fn is_stamped(topic: &TopicEvidence) -> bool {
-    let has_motion = topic.contents().any(|said| {
+/// Whether a topic has rows of motion.
+fn has_motion(topic: &TopicEvidence) -> bool {
+    topic.contents().any(|said| {
         let MotionEvidence {
             inertial,
             poses,
@@ -83,8 +100,7 @@ fn is_stamped(topic: &TopicEvidence) -> bool {
             nmea: _,
         } = &said.content.motion;
         inertial.is_some() || poses.is_some() || twists.is_some() || fixes.is_some() || orientations.is_some()
-    });
-    has_motion && topic.stamps.count > topic.stamps.zero
+    })
 }
 
 /// Changes both times of every row: stamp and log time, nanoseconds.
@@ -120,6 +136,7 @@ fn change_times(topic: &mut TopicEvidence, change: impl Fn(&mut i64, &mut i64)) 
             change,
             [inertial, poses, twists, fixes, orientations, vectors, nmea]
         );
+        change_sweeps(content, &change);
     }
     let used = topic.header_frames.values_mut().chain(topic.child_frames.values_mut());
     frames.extend(used.map(|used| &mut used.first));
@@ -140,6 +157,27 @@ fn change_times(topic: &mut TopicEvidence, change: impl Fn(&mut i64, &mut i64)) 
     frames.extend(with_steps.map(|(_, at)| at));
     frames.extend([first_zero, first_repeated, first, last].into_iter().flatten());
     for at in frames {
+        if let Some(stamp_ns) = &mut at.stamp_ns {
+            change(stamp_ns, &mut at.log_ns);
+        }
+    }
+}
+
+/// Changes stamp and log time of what is kept of clouds and of scans of a radar.
+fn change_sweeps(content: &mut ContentEvidence, change: impl Fn(&mut i64, &mut i64)) {
+    let clouds = content.clouds.iter_mut();
+    let slices = clouds.flat_map(|clouds| clouds.runs.iter_mut().flatten());
+    let slices = slices.map(|slice| (&mut slice.stamp_ns, &mut slice.log_ns));
+    let radars = content.radar.iter_mut();
+    let sweeps = radars.flat_map(|radar| radar.runs.iter_mut().flatten());
+    let sweeps = sweeps.map(|sweep| (&mut sweep.stamp_ns, &mut sweep.log_ns));
+    for (stamp, log_ns) in slices.chain(sweeps) {
+        let mut stamp_ns = stamp.unwrap_or_default();
+        change(&mut stamp_ns, log_ns);
+        *stamp = stamp.is_some().then_some(stamp_ns).filter(|stamp_ns| *stamp_ns != 0);
+    }
+    let samples = content.clouds.iter_mut().flat_map(|clouds| &mut clouds.samples);
+    for at in samples.map(|sample| &mut sample.at) {
         if let Some(stamp_ns) = &mut at.stamp_ns {
             change(stamp_ns, &mut at.log_ns);
         }

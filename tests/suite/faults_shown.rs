@@ -1,0 +1,61 @@
+//! Every known mistake is shown by some rule, on data that are good enough: one that no rule could ever show does not belong into the catalogue.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+
+use frames_lint::assure::{TrialOutcome, assure};
+use frames_lint::engine::Rules;
+use frames_lint::faults::catalogue;
+use frames_lint::progress::Progress;
+use frames_lint::rules::RULES;
+
+use crate::faults_motion::{DRIVE, collected};
+use crate::faults_placed::Platform;
+
+/// What these drives do not show, and why: of each the rules say so themselves.
+const UNSHOWN: &[(&str, &str)] = &[];
+
+#[test]
+fn the_rules_that_should_see_a_mistake_exist() {
+    for fault in catalogue() {
+        for seer in fault.seers() {
+            assert!(
+                RULES.iter().any(|rule| rule.code.as_str() == seer),
+                "{}: {seer}",
+                fault.name
+            );
+        }
+    }
+}
+
+#[test]
+fn every_mistake_is_shown_by_some_rule() {
+    let rules = Rules::select(&[]).unwrap();
+    let faults: Vec<_> = catalogue().collect();
+    let worlds = [
+        collected(DRIVE, None),
+        collected(&DRIVE.replace("vehicle: car", "vehicle: drone"), None),
+        Platform::healthy(30).world(),
+    ];
+    let mut best: BTreeMap<&str, (TrialOutcome, String)> = BTreeMap::new();
+    for world in &worlds {
+        for trial in assure(world, &rules, &faults, &Progress::new(false)).trials {
+            let told = trial.reason.unwrap_or_else(|| trial.rules.join(", "));
+            let one = (trial.outcome, told);
+            let known = best.entry(trial.fault.name).or_insert_with(|| one.clone());
+            *known = one.max(known.clone());
+        }
+    }
+    let mut unshown = Vec::new();
+    for fault in catalogue() {
+        let is_excused = UNSHOWN.iter().any(|(name, _)| *name == fault.name);
+        let is_shown = best
+            .get(fault.name)
+            .is_some_and(|(outcome, _)| *outcome > TrialOutcome::Missed);
+        if is_shown == is_excused {
+            unshown.push(format!("{}: {:?}", fault.name, best.get(fault.name)));
+        }
+    }
+    assert!(unshown.is_empty(), "{}:\n{}", unshown.len(), unshown.join("\n"));
+}
