@@ -3,13 +3,18 @@
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hasher};
 use std::ops::Deref;
 use std::rc::Rc;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::world::World;
 
 use super::settings::Settings;
+
+/// Costly results that worlds share which differ in a part only: each is a pure function, kept by its type and a hash of its input.
+#[derive(Default)]
+pub struct KeptResults(Mutex<HashMap<(TypeId, u64), Arc<dyn Any + Send + Sync>>>);
 
 /// Input of the rules: the world, the limits in force, and estimates, each made on first use.
 ///
@@ -18,6 +23,7 @@ use super::settings::Settings;
 pub struct Estimates<'w> {
     world: &'w World,
     settings: &'w Settings,
+    kept: Option<&'w KeptResults>,
     made: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
@@ -27,8 +33,37 @@ impl<'w> Estimates<'w> {
         Self {
             world,
             settings,
+            kept: None,
             made: RefCell::default(),
         }
+    }
+
+    /// With costly results that are shared with other worlds; see [`KeptResults`].
+    #[must_use]
+    pub fn sharing(self, kept: Option<&'w KeptResults>) -> Self {
+        Self { kept, ..self }
+    }
+
+    /// The result of a function of these numbers and of nothing else, made once for all worlds that share results.
+    pub(crate) fn shared<T: Any + Send + Sync>(
+        &self,
+        numbers: impl FnOnce(&mut DefaultHasher),
+        make: impl FnOnce() -> T,
+    ) -> Arc<T> {
+        let Some(KeptResults(kept)) = self.kept else {
+            return Arc::new(make());
+        };
+        let mut hasher = DefaultHasher::new();
+        numbers(&mut hasher);
+        let key = (TypeId::of::<T>(), hasher.finish());
+        let known = kept.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        if let Some(known) = known.and_then(|known| known.downcast().ok()) {
+            return known;
+        }
+        let made = Arc::new(make());
+        let one: Arc<dyn Any + Send + Sync> = Arc::<T>::clone(&made);
+        kept.lock().unwrap_or_else(PoisonError::into_inner).insert(key, one);
+        made
     }
 
     /// The estimate of this type, made on first use.
@@ -71,5 +106,17 @@ mod tests {
         assert_eq!(estimates.once(outer).0, 21);
         assert_eq!(estimates.once(|_| Inner(0)).0, 20);
         assert_eq!(estimates.once(|_| Outer(0)).0, 21);
+    }
+
+    #[test]
+    fn a_result_is_shared_by_worlds_with_the_same_input() {
+        let (world, settings, kept) = (World::default(), Settings::default(), KeptResults::default());
+        let of = |kept, input: u32, made: u32| {
+            let estimates = Estimates::new(&world, &settings).sharing(kept);
+            *estimates.shared(|hasher| hasher.write_u32(input), || made)
+        };
+        assert_eq!((of(Some(&kept), 1, 10), of(Some(&kept), 1, 11)), (10, 10));
+        assert_eq!(of(Some(&kept), 2, 12), 12, "another input");
+        assert_eq!((of(None, 1, 13), of(None, 1, 14)), (13, 14), "nothing is shared");
     }
 }

@@ -38,5 +38,5 @@ pub(crate) mod time;
 pub(crate) mod tree;
 pub(crate) mod urdf;
 
-pub use estimates::Estimates;
+pub use estimates::{Estimates, KeptResults};
 pub use settings::Settings;

@@ -4,7 +4,9 @@
 //! vertical. Must not judge.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
@@ -39,7 +41,7 @@ pub(crate) struct Steps {
     pub(crate) why: &'static str,
     /// Rotates the cloud's axes so that its z is normal to the ground, up or down as before.
     level_from_cloud: UnitQuaternion<f64>,
-    runs: Vec<Vec<CloudPose>>,
+    runs: Arc<Vec<Vec<CloudPose>>>,
 }
 
 impl Steps {
@@ -70,7 +72,7 @@ impl Steps {
 
     fn put_together(&self, is_enough: impl Fn(&ScanStep) -> bool, keeps_rest: bool) -> Vec<ScanStep> {
         let mut chained = Vec::new();
-        for run in &self.runs {
+        for run in self.runs.iter() {
             let Some((mut from, rest)) = run.split_first() else {
                 continue;
             };
@@ -130,7 +132,10 @@ fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
             is_up: level.is_up,
             why: NO_GROUND,
             level_from_cloud: level.level_from_cloud,
-            runs: runs(clouds, |point| level.flat(point)),
+            runs: world.shared(
+                |hasher| level.hash(clouds, hasher),
+                || runs(clouds, |point| level.flat(point)),
+            ),
         },
         Err(why) => Steps {
             why,
@@ -177,6 +182,34 @@ impl Flattening {
             level_from_cloud: upright.level_from_cloud,
             ground: Some((upright, sensor)),
         })
+    }
+
+    /// Everything that [`runs`] depends on.
+    fn hash(&self, clouds: &Clouds, hasher: &mut DefaultHasher) {
+        let mut number = |value: f64| hasher.write_u64(value.to_bits());
+        self.level_from_cloud.coords.iter().copied().for_each(&mut number);
+        if let Some((upright, sensor)) = &self.ground {
+            number(upright.height_m);
+            upright.up.iter().chain(sensor).copied().for_each(&mut number);
+        }
+        for run in &clouds.evidence.runs {
+            number(run.len() as f64);
+            for slice in run {
+                number(slice.points.len() as f64);
+                slice
+                    .points
+                    .iter()
+                    .flatten()
+                    .chain(&slice.after)
+                    .copied()
+                    .for_each(&mut number);
+            }
+        }
+        hasher.write_i64(clouds.bag.start_ns.unwrap_or_default());
+        for slice in clouds.evidence.runs.iter().flatten() {
+            hasher.write_i64(slice.stamp_ns.unwrap_or_default());
+            hasher.write_i64(slice.log_ns);
+        }
     }
 
     /// A point in the level plane, metres; `None` for points of the ground.

@@ -237,19 +237,20 @@ fn new_findings<'v>(healthy: &[Key], altered: &'v Verdict) -> Vec<&'v Finding> {
     altered.findings.iter().filter(is_new).collect()
 }
 
-/// Why a mistake was missed: what the rules that should see it say about the subject, else the first of them about the platform.
+/// Why a mistake was missed: what the first of the rules that should see it, and that has a row about the subject, says; else what the
+/// first of them says about the platform.
 fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
     let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| fault.is_seen_in(row)).collect();
-    rows.sort_by_key(|row| fault.seers().position(|seer| seer == row.rule));
+    let position = |row: &Row| fault.seers().position(|seer| seer == row.rule);
+    rows.sort_by_key(|row| (position(row), row.outcome != Outcome::Pass));
     let first = fault.seers().next().unwrap_or_default();
-    let about = |outcome| move |row: &&&Row| row.outcome == outcome && subject.is_in(&row.subject);
-    let of_platform =
-        |row: &&&Row| row.rule == first && row.outcome == Outcome::NotEvaluated && row.subject == "platform";
+    let is_judged = |row: &&&Row| matches!(row.outcome, Outcome::Pass | Outcome::NotEvaluated);
+    let of_platform = |row: &&&Row| row.rule == first && row.subject == "platform";
     let mut candidates = rows
         .iter()
-        .filter(about(Outcome::Pass))
-        .chain(rows.iter().filter(about(Outcome::NotEvaluated)))
-        .chain(rows.iter().filter(of_platform));
+        .filter(|row| subject.is_in(&row.subject))
+        .chain(rows.iter().filter(of_platform))
+        .filter(is_judged);
     match candidates.next() {
         Some(row) if row.outcome == Outcome::Pass => {
             let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();

@@ -15,13 +15,9 @@ use super::{Options, Rules, UsageError, judge};
 impl RuleRunner for Choice {
     fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict {
         let rules = self.rules.iter().filter(|rule| is_wanted(rule.entry.page.code));
-        judge::judge(
-            world,
-            rules.collect::<Vec<_>>(),
-            &self.settings,
-            None,
-            &Timings::default(),
-        )
+        let rules: Vec<_> = rules.collect();
+        let timings = Timings::default();
+        judge::judge_sharing(world, rules, &self.settings, Some(&self.kept), None, &timings)
     }
 }
 

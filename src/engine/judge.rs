@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::analysis::{Estimates, Settings};
+use crate::analysis::{Estimates, KeptResults, Settings};
 use crate::page::Status;
 use crate::rules::Kind;
 use crate::source::{Confidence, Place, ReadStatus, Span};
@@ -22,8 +22,20 @@ pub(super) fn judge<'r>(
     label: Option<&str>,
     timings: &Timings,
 ) -> Verdict {
+    judge_sharing(world, rules, settings, None, label, timings)
+}
+
+/// The same, with results that are shared with other worlds.
+pub(super) fn judge_sharing<'r>(
+    world: &World,
+    rules: impl IntoIterator<Item = &'r EnabledRule> + Clone,
+    settings: &Settings,
+    kept: Option<&KeptResults>,
+    label: Option<&str>,
+    timings: &Timings,
+) -> Verdict {
     let mut verdict = Verdict::default();
-    let estimates = Estimates::new(world, settings);
+    let estimates = Estimates::new(world, settings).sharing(kept);
     for rule in rules.clone() {
         let (Kind::World(asked) | Kind::Across(asked)) = rule.entry.kind else {
             continue;

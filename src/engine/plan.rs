@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::analysis::Settings;
+use crate::analysis::{KeptResults, Settings};
 use crate::config::Config;
 use crate::page::{Page, names_rule};
 use crate::rules::{Kind, RULES};
@@ -27,6 +27,8 @@ pub(super) struct Choice {
     pub(super) rules: Vec<EnabledRule>,
     /// The limits in force, including those of rules that do not run: estimates use them too.
     pub(super) settings: Arc<Settings>,
+    /// Results that worlds judged by it may share.
+    pub(super) kept: KeptResults,
 }
 
 impl Choice {
@@ -39,6 +41,7 @@ impl Choice {
         Self {
             rules: rules.collect(),
             settings: Arc::clone(&self.settings),
+            kept: KeptResults::default(),
         }
     }
 }
@@ -85,7 +88,11 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
     if rules.is_empty() {
         return Err(UsageError("--select and --ignore leave no rule to run".to_owned()));
     }
-    Ok(Choice { rules, settings })
+    Ok(Choice {
+        rules,
+        settings,
+        kept: KeptResults::default(),
+    })
 }
 
 /// Whether a word names this rule: its code, its name or its family, in any case.

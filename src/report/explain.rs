@@ -237,6 +237,7 @@ mod tests {
     #[test]
     fn limits_are_a_table_and_lists_stay_lists() {
         let page = Page {
+            code: "NONE01",
             status: Status::Trial,
             limits: &[
                 Limit {
