@@ -72,6 +72,8 @@ pub struct Assurance {
     pub trials: Vec<Trial>,
     /// Mistakes that nothing in the data can have.
     pub inapplicable: Vec<&'static Fault>,
+    /// Subjects that were not tried, because there are too many, by the names of the mistakes.
+    pub omitted: BTreeMap<&'static str, usize>,
 }
 
 impl Assurance {
@@ -84,6 +86,9 @@ impl Assurance {
     pub fn join(&mut self, other: Self) {
         self.trials.extend(other.trials);
         self.inapplicable.extend(other.inapplicable);
+        for (name, count) in other.omitted {
+            *self.omitted.entry(name).or_default() += count;
+        }
         let tried: BTreeSet<&str> = self.trials.iter().map(|trial| trial.fault.name).collect();
         let mut seen = BTreeSet::new();
         self.inapplicable
@@ -94,11 +99,16 @@ impl Assurance {
 /// Tries these mistakes on a platform.
 pub fn assure(world: &World, rules: &dyn RuleRunner, faults: &[&'static Fault], progress: &Progress) -> Assurance {
     let platform = Platform::new(world, rules);
-    let pairs = faults.iter().flat_map(|fault| {
-        let subjects = fault.change.subjects(world).into_iter();
-        subjects.map(move |subject| (*fault, subject))
-    });
-    let pairs: Vec<(&'static Fault, Subject)> = pairs.collect();
+    let mut omitted = BTreeMap::new();
+    let mut pairs: Vec<(&'static Fault, Subject)> = Vec::new();
+    let most = most_subjects(world, faults.len());
+    for fault in faults {
+        let subjects = fault.change.subjects(world);
+        if subjects.len() > most {
+            omitted.insert(fault.name, subjects.len() - most);
+        }
+        pairs.extend(subjects.into_iter().take(most).map(|subject| (*fault, subject)));
+    }
     let task = progress.start(&world.label, pairs.len() as u64);
     let done = AtomicU64::new(0);
     let tried: Vec<Option<Trial>> = pairs
@@ -112,13 +122,28 @@ pub fn assure(world: &World, rules: &dyn RuleRunner, faults: &[&'static Fault], 
     let mut assurance = Assurance {
         trials: Vec::new(),
         inapplicable: faults.to_vec(),
+        omitted,
     };
     assurance.join(Assurance {
         trials: tried.into_iter().flatten().collect(),
-        inapplicable: Vec::new(),
+        ..Assurance::default()
     });
     assurance
 }
+
+/// How many subjects each of so many mistakes is tried on. Not a time: results do not depend on the load of the machine.
+fn most_subjects(world: &World, faults: usize) -> usize {
+    let edges: usize = world.bags.iter().map(|bag| bag.tf.len() + bag.topics.len()).sum();
+    let facts = LEAST_FACTS + world.claims.len() + edges;
+    (MOST_WORK / facts / faults.max(1)).max(LEAST_SUBJECTS)
+}
+
+/// Facts that are judged in all copies of a platform together.
+const MOST_WORK: usize = 4_000_000;
+/// What judging a small platform costs, in facts.
+const LEAST_FACTS: usize = 50;
+/// Subjects of each mistake that are always tried.
+const LEAST_SUBJECTS: usize = 1;
 
 /// A finding, whatever its numbers.
 type Key = (String, String, Option<String>);
@@ -189,7 +214,11 @@ impl<'w> Platform<'w> {
             return Some(trial(TrialOutcome::Noticed, &new, None));
         }
         let findings = self.healthy.findings.iter();
-        let present = findings.filter(|finding| subject.is_in(&finding.subject) && fault.is_named_by(finding, &same));
+        let is_it = |finding: &&Finding| {
+            let is_seer = fault.seers().any(|seer| seer == finding.rule);
+            is_seer && subject.is_in(&finding.subject) && fault.is_named_by(finding, &same)
+        };
+        let present = findings.filter(is_it);
         let present: Vec<&Finding> = present.collect();
         if !present.is_empty() {
             return Some(trial(TrialOutcome::Present, &present, None));
@@ -244,7 +273,7 @@ fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
     let position = |row: &Row| fault.seers().position(|seer| seer == row.rule);
     rows.sort_by_key(|row| (position(row), row.outcome != Outcome::Pass));
     let first = fault.seers().next().unwrap_or_default();
-    let is_judged = |row: &&&Row| matches!(row.outcome, Outcome::Pass | Outcome::NotEvaluated);
+    let is_judged = |row: &&&Row| row.outcome != Outcome::Crashed;
     let of_platform = |row: &&&Row| row.rule == first && row.subject == "platform";
     let mut candidates = rows
         .iter()
@@ -255,6 +284,12 @@ fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
         Some(row) if row.outcome == Outcome::Pass => {
             let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
+        }
+        Some(row) if row.outcome == Outcome::Fail => {
+            format!(
+                "{} fails {} without the mistake, too: correct that first",
+                row.rule, row.subject
+            )
         }
         Some(row) if row.subject == "platform" => {
             let reason = row.reason.as_deref().unwrap_or_default();

@@ -353,7 +353,13 @@ impl Reader<'_> {
 
     /// One name of a known mistake or of a family of them, or a list, each with its place.
     fn mistakes(&self, node: &Node) -> Result<Vec<(String, String)>, ConfigError> {
-        let items = node.items().map_or_else(|| vec![node], |items| items.iter().collect());
+        let items: Vec<&Node> = node.items().map_or_else(|| vec![node], |items| items.iter().collect());
+        if items.is_empty() {
+            return Err(self.error(
+                node.span.start,
+                "expected the names of known mistakes: this requires nothing",
+            ));
+        }
         let word = |item: &Node| {
             let text = item.text().map(str::trim).filter(|text| !text.is_empty());
             let text = text.ok_or_else(|| self.error(item.span.start, "expected the name of a known mistake"))?;

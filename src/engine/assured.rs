@@ -10,7 +10,7 @@ use crate::world::World;
 use super::governed::Governance;
 use super::plan::Choice;
 use super::timings::{Phase, Timings};
-use super::{Options, Rules, UsageError, judge};
+use super::{Options, Rules, judge};
 
 impl RuleRunner for Choice {
     fn judge(&self, world: &World, is_wanted: &dyn Fn(&str) -> bool) -> Verdict {
@@ -60,19 +60,4 @@ pub(super) fn assure(world: &World, governed: &Governance, options: &Options) ->
         try_all(world, &rules, &faults, &progress)
     });
     Some(assurance)
-}
-
-/// Checks that the mistakes that a configuration names exist.
-pub(super) fn known(config: &Config) -> Result<(), UsageError> {
-    for (word, origin) in config.detections() {
-        if !catalogue().any(|fault| fault.is_called(word)) {
-            let names = catalogue().map(|fault| fault.name);
-            let likeness = |name: &&str| std::cmp::Reverse(strsim::damerau_levenshtein(name, word));
-            let meant = names.max_by_key(likeness).unwrap_or_default();
-            return Err(UsageError(format!(
-                "{origin}: no known mistake is called `{word}`; did you mean `{meant}`? `frames-lint assure --list` lists all"
-            )));
-        }
-    }
-    Ok(())
 }

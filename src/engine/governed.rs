@@ -22,7 +22,7 @@ use crate::world::World;
 use super::enabled::EnabledRule;
 use super::gather::source_id;
 use super::plan::{self, Choice};
-use super::{Options, Retention, UsageError, assured};
+use super::{Options, Retention, UsageError};
 
 /// Which configuration counts for a platform, whose files may lie under several.
 const PLATFORMS: &str = "use the nearest configuration above their recordings, else above their robot";
@@ -44,7 +44,7 @@ impl Governance {
         let is_given = options.config.as_deref() == file;
         let allowed = file.filter(|_| !is_given && !options.outside);
         let config = config::find(file, profile, allowed.map(|file| AllowedFolders::around([file])))?;
-        config.as_ref().map_or(Ok(()), assured::known)?;
+        config.as_ref().map_or(Ok(()), plan::known_mistakes)?;
         let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
         for rule in &mut choice.rules {
             rule.plots = options.sights >= Retention::Plots;

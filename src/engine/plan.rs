@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::analysis::{KeptResults, Settings};
 use crate::config::Config;
+use crate::faults::catalogue;
 use crate::page::{Page, names_rule};
 use crate::rules::{Kind, RULES};
 
@@ -119,4 +120,19 @@ fn unknown(all: &[EnabledRule], word: &str) -> String {
         }
         _ => format!("no rule and no family is called `{word}`; `frames-lint rules` lists them"),
     }
+}
+
+/// Checks that the mistakes that a configuration names exist.
+pub(super) fn known_mistakes(config: &Config) -> Result<(), UsageError> {
+    for (word, origin) in config.detections() {
+        if !catalogue().any(|fault| fault.is_called(word)) {
+            let names = catalogue().map(|fault| fault.name);
+            let likeness = |name: &&str| std::cmp::Reverse(strsim::damerau_levenshtein(name, word));
+            let meant = names.max_by_key(likeness).unwrap_or_default();
+            return Err(UsageError(format!(
+                "{origin}: no known mistake is called `{word}`; did you mean `{meant}`? `frames-lint assure --list` lists all"
+            )));
+        }
+    }
+    Ok(())
 }

@@ -54,14 +54,25 @@ fn missing(whole: &Assurance, requirement: &Requirement, fault: &'static Fault) 
         .copied()
         .filter(|trial| trial.outcome == TrialOutcome::Missed)
         .collect();
+    let omitted = whole.omitted.get(fault.name).copied().unwrap_or_default();
     let mut why: Vec<String> = Vec::new();
     if trials.is_empty() {
         if requirement.force == Force::IfApplicable {
             return None;
         }
-        why.push("nothing in the data can have this mistake".to_owned());
-    } else if missed.is_empty() {
+        let applies = whole.trials.iter().any(|trial| trial.fault.name == fault.name);
+        let glob = requirement.subject.as_ref().filter(|_| applies);
+        why.push(glob.map_or_else(
+            || "nothing in the data can have this mistake".to_owned(),
+            |glob| format!("no subject that can have this mistake matches `{}`", glob.glob().glob()),
+        ));
+    } else if missed.is_empty() && omitted == 0 {
         return None;
+    }
+    if omitted > 0 {
+        why.push(format!(
+            "{omitted} subjects were not tried: check fewer files in one run"
+        ));
     }
     for trial in missed.iter().take(MAX_SUBJECTS) {
         let reason = trial.reason.as_deref().unwrap_or_default();

@@ -1,121 +1,24 @@
-//! Which mistakes the data would have shown: for people, as JSON, Markdown and HTML. Blind spots come first.
+//! The reports of `frames-lint assure`: for people, as JSON, Markdown and HTML. Blind spots come first.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::assure::{Assurance, Trial, TrialOutcome};
+use crate::assure::{Assurance, TrialOutcome};
 use crate::faults::{Fault, catalogue};
 use crate::visible::pretty_json;
 
+use super::assured::{AssuranceRows, Group, SECTIONS, section, totals};
 use super::json::Producer;
 use super::markdown::{code, escaped};
 use super::style::{Ink, Style};
-use super::text::{list, one_line, plural, wrap};
+use super::text::{list, plural, wrap};
 
 /// Name of the document's schema.
 pub const SCHEMA: &str = "frames-lint-assure/1";
 
 /// Maximum number of groups of one outcome in a text.
 const MAX_GROUPS: usize = 60;
-/// Maximum number of subjects and of mistakes of a group in a text.
-const MAX_NAMED: usize = 8;
-
-/// Mistakes with the same outcome for the same reason, and the subjects that they were tried on.
-pub(super) struct Group<'a> {
-    pub(super) first: &'a Trial,
-    /// Not all of them apply to each of the subjects.
-    pub(super) faults: Vec<&'static str>,
-    pub(super) subjects: Vec<String>,
-}
-
-impl<'a> Group<'a> {
-    /// The trials with this outcome, in the order of the first of each group.
-    pub(super) fn of(assurance: &'a Assurance, outcome: TrialOutcome) -> Vec<Self> {
-        let mut groups: Vec<Self> = Vec::new();
-        let mut numbers = BTreeMap::new();
-        let first = assurance.trials.first().map(|trial| &trial.platform);
-        let are_several = assurance.trials.iter().any(|trial| Some(&trial.platform) != first);
-        for trial in assurance.trials.iter().filter(|trial| trial.outcome == outcome) {
-            let number = *numbers.entry(why(trial)).or_insert_with(|| {
-                groups.push(Self {
-                    first: trial,
-                    faults: Vec::new(),
-                    subjects: Vec::new(),
-                });
-                groups.len() - 1
-            });
-            if let Some(group) = groups.get_mut(number) {
-                add(&mut group.faults, trial.fault.name);
-                add(&mut group.subjects, subject(trial, are_several));
-            }
-        }
-        groups
-    }
-
-    /// The subjects, at most a number of them.
-    fn subjects(&self, most: usize) -> String {
-        shortened(self.subjects.iter().map(String::as_str), "; ", most)
-    }
-
-    /// The mistakes, at most a number of them.
-    fn faults(&self, most: usize) -> String {
-        let names = shortened(self.faults.iter().copied(), ", ", most);
-        match self.faults.len() {
-            count if count > 3 => format!("{count} mistakes: {names}"),
-            _ => names,
-        }
-    }
-}
-
-/// Adds what is not there yet.
-fn add<T: PartialEq>(list: &mut Vec<T>, item: T) {
-    if !list.contains(&item) {
-        list.push(item);
-    }
-}
-
-/// The first items, and how many more there are.
-fn shortened<'t>(items: impl ExactSizeIterator<Item = &'t str>, separator: &str, most: usize) -> String {
-    let more = items.len().saturating_sub(most);
-    let mut shown: Vec<String> = items.take(most).map(str::to_owned).collect();
-    if more > 0 {
-        shown.push(format!("and {more} more"));
-    }
-    shown.join(separator)
-}
-
-/// What trials of one group have in common.
-fn why(trial: &Trial) -> (Option<&str>, &[String], &str) {
-    (trial.reason.as_deref(), &trial.rules, trial.fault.record)
-}
-
-/// A subject, with its platform if there are several.
-fn subject(trial: &Trial, are_several: bool) -> String {
-    if are_several {
-        format!("{}: {}", trial.platform, trial.subject)
-    } else {
-        trial.subject.clone()
-    }
-}
-
-/// The outcomes in the order of a report, with a title.
-const SECTIONS: [(TrialOutcome, &str); 4] = [
-    (
-        TrialOutcome::Missed,
-        "Missed: no finding would have shown these mistakes",
-    ),
-    (
-        TrialOutcome::Noticed,
-        "Noticed: a finding would have shown them, without their name",
-    ),
-    (
-        TrialOutcome::Present,
-        "Present: the data already have the finding that would name them",
-    ),
-    (TrialOutcome::Named, "Named: a finding would have named them"),
-];
 
 /// For people. `all`: with the mistakes that would have been named.
 pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
@@ -135,133 +38,12 @@ pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
     out
 }
 
-/// The groups with one outcome, at most a number of them, under a title.
-pub(super) fn section(
-    assurance: &Assurance,
-    outcome: TrialOutcome,
-    (title, most): (&str, usize),
-    style: Style,
-    out: &mut String,
-) {
-    let groups = Group::of(assurance, outcome);
-    if groups.is_empty() {
-        return;
-    }
-    let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
-    let named = if most == usize::MAX { most } else { MAX_NAMED };
-    for group in groups.iter().take(most) {
-        let subjects = one_line(&group.subjects(named));
-        let _ = writeln!(out, "{}", wrap(&subjects, style.width, "  ", "    "));
-        let mut line = |text: &str| {
-            let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
-        };
-        line(&group.faults(named));
-        if let Some(reason) = &group.first.reason {
-            line(&format!("why: {reason}"));
-            line(&format!("record or add: {}", group.first.fault.record));
-        } else {
-            line(&format!("by {}", list(&group.first.rules)));
-        }
-    }
-    if groups.len() > most {
-        let more = plural(groups.len() - most, "more group");
-        let _ = writeln!(out, "  ... and {more} (--all shows them)");
-    }
-    out.push('\n');
-}
-
-/// The totals in one sentence.
-pub(super) fn totals(assurance: &Assurance) -> String {
-    let inapplicable = assurance.inapplicable.len();
-    if assurance.trials.is_empty() {
-        return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
-    }
-    let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
-    let present = if present > 0 {
-        format!(", {present} already present")
-    } else {
-        String::new()
-    };
-    format!(
-        "Of {} that apply: {named} named, {noticed} noticed, {missed} missed{present}. {} of the catalogue apply to nothing here.",
-        plural(assurance.trials.len(), "mistake"),
-        inapplicable
-    )
-}
-
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
     made: Producer,
     #[serde(flatten)]
     rows: AssuranceRows<'a>,
-}
-
-/// What became of known mistakes.
-#[derive(Serialize)]
-pub(super) struct AssuranceRows<'a> {
-    faults: Vec<TrialRow<'a>>,
-    inapplicable: Vec<&'a str>,
-    summary: Counts,
-}
-
-impl<'a> AssuranceRows<'a> {
-    pub(super) fn of(assurance: &'a Assurance) -> Self {
-        let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
-        Self {
-            faults: assurance.trials.iter().map(TrialRow::of).collect(),
-            inapplicable: assurance.inapplicable.iter().map(|fault| fault.name).collect(),
-            summary: Counts {
-                tried: assurance.trials.len(),
-                named,
-                noticed,
-                missed,
-                present,
-                inapplicable: assurance.inapplicable.len(),
-            },
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct TrialRow<'a> {
-    fault: &'a str,
-    family: &'static str,
-    sentence: &'a str,
-    platform: &'a str,
-    subject: &'a str,
-    outcome: &'static str,
-    rules: &'a [String],
-    relation: Option<&'a str>,
-    reason: Option<&'a str>,
-    record: Option<&'a str>,
-}
-
-impl<'a> TrialRow<'a> {
-    fn of(trial: &'a Trial) -> Self {
-        Self {
-            fault: trial.fault.name,
-            family: trial.fault.family.word(),
-            sentence: trial.fault.sentence,
-            platform: &trial.platform,
-            subject: &trial.subject,
-            outcome: trial.outcome.word(),
-            rules: &trial.rules,
-            relation: trial.relation.as_deref(),
-            reason: trial.reason.as_deref(),
-            record: (trial.outcome == TrialOutcome::Missed).then_some(trial.fault.record),
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct Counts {
-    tried: usize,
-    named: usize,
-    noticed: usize,
-    missed: usize,
-    present: usize,
-    inapplicable: usize,
 }
 
 /// One document, described by `schema/frames-lint-assure-1.json`.

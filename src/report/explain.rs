@@ -264,7 +264,7 @@ mod tests {
             body,
             "  First:\n  - one more\n  - two\n  1. three\n  | a | b |\n  |---|---|\n  case\n  text\n\nLimits\n  \
              limit      value    reason\n  angle_deg  1.5 deg  why not\n  count      2        two\n\nOnline: \
-             https://frames-lint.github.io/frames-lint/rules/tree01.html\n"
+             https://frames-lint.github.io/frames-lint/rules/none01.html\n"
         );
         assert!(text.contains("trial: findings"));
     }

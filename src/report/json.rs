@@ -19,7 +19,7 @@ use crate::verdict::{Acceptance, Explainer, Finding, Fix, Label, Measured, Place
 
 use crate::visible::{text, write_json};
 
-use super::assure::AssuranceRows;
+use super::assured::AssuranceRows;
 use super::place::{Locator, Spot};
 
 /// Name of the document's schema.

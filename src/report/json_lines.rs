@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::run::{FailOn, Run, RunUpdate};
 use crate::visible::json_line;
 
-use super::assure::AssuranceRows;
+use super::assured::AssuranceRows;
 use super::json;
 use super::place::Locator;
 

@@ -1,6 +1,7 @@
 //! Reports: verdicts, worlds and pages become words. Reads no file and judges nothing.
 
 pub mod assure;
+mod assured;
 pub mod diff;
 pub mod explain;
 mod fingerprint;

@@ -288,7 +288,7 @@ fn what_must_be_found_is_a_requirement() {
     assert_eq!(ran.code, 2);
     assert!(
         ran.err.contains(
-            "frames-lint.yaml:2:15: no known mistake is called `stated-invers`; did you mean `stated-inverse`?"
+            "frames-lint.yaml:2:16: no known mistake is called `stated-invers`; did you mean `stated-inverse`?"
         ),
         "{}",
         ran.err

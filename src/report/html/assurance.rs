@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use crate::assure::{Assurance, Trial, TrialOutcome};
 use crate::faults::Family;
 
-use super::super::assure::{Group, totals};
+use super::super::assured::{Group, totals};
 use super::super::text::plural;
 use super::words::{badge, plain, words};
 

@@ -20,7 +20,7 @@ use crate::run::{FailOn, Run};
 use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
-use super::assure;
+use super::assured as trials;
 use super::place::Locator;
 use super::style::Ink;
 use super::text::{one_line, plural, wrap};
@@ -106,8 +106,8 @@ fn assured(run: &Run, options: &Options, out: &mut String) {
     let Some(assurance) = &run.assurance else { return };
     let title = "Known mistakes that these data would not have shown";
     let most = if options.all { usize::MAX } else { MAX_MISSED };
-    assure::section(assurance, TrialOutcome::Missed, (title, most), options.style, out);
-    for line in wrap(&assure::totals(assurance), options.style.width, "", "  ").lines() {
+    trials::section(assurance, TrialOutcome::Missed, (title, most), options.style, out);
+    for line in wrap(&trials::totals(assurance), options.style.width, "", "  ").lines() {
         let _ = writeln!(out, "{line}");
     }
     out.push('\n');
