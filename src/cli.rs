@@ -278,26 +278,10 @@ fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {
         }
         known.extend([page.code, page.name]);
     }
-    let meant = nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    let meant = engine::nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
     Err(Failure::Usage(format!(
         "no rule is called `{word}`{meant}\n`frames-lint rules` lists all rules"
     )))
-}
-
-/// The most similar known word, if it is similar enough.
-fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    let word = word.to_lowercase();
-    known
-        .iter()
-        .map(|name| {
-            (
-                strsim::normalized_damerau_levenshtein(&word, &name.to_lowercase()),
-                name,
-            )
-        })
-        .filter(|(likeness, _)| *likeness >= 0.5)
-        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
-        .map(|(_, name)| *name)
 }
 
 /// The pages of all rules.

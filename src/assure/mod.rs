@@ -70,8 +70,8 @@ pub struct Trial {
 pub struct Assurance {
     /// One for each mistake and subject, in the order of the platforms, the mistakes and the subjects.
     pub trials: Vec<Trial>,
-    /// Mistakes that nothing in the data can have.
-    pub inapplicable: Vec<&'static Fault>,
+    /// The mistakes that were looked for, in the order of the catalogue.
+    pub faults: Vec<&'static Fault>,
     /// Subjects that were not tried, because there are too many, by the names of the mistakes.
     pub omitted: BTreeMap<&'static str, usize>,
 }
@@ -82,17 +82,24 @@ impl Assurance {
         self.trials.iter().filter(|trial| trial.outcome == outcome).count()
     }
 
+    /// The mistakes that nothing in the data can have.
+    pub fn inapplicable(&self) -> Vec<&'static Fault> {
+        let tried: BTreeSet<&str> = self.trials.iter().map(|trial| trial.fault.name).collect();
+        let faults = self.faults.iter().copied();
+        faults.filter(|fault| !tried.contains(fault.name)).collect()
+    }
+
     /// Adds the trials of another platform.
     pub fn join(&mut self, other: Self) {
         self.trials.extend(other.trials);
-        self.inapplicable.extend(other.inapplicable);
+        for fault in other.faults {
+            if !self.faults.iter().any(|known| known.name == fault.name) {
+                self.faults.push(fault);
+            }
+        }
         for (name, count) in other.omitted {
             *self.omitted.entry(name).or_default() += count;
         }
-        let tried: BTreeSet<&str> = self.trials.iter().map(|trial| trial.fault.name).collect();
-        let mut seen = BTreeSet::new();
-        self.inapplicable
-            .retain(|fault| !tried.contains(fault.name) && seen.insert(fault.name));
     }
 }
 
@@ -119,16 +126,11 @@ pub fn assure(world: &World, rules: &dyn RuleRunner, faults: &[&'static Fault], 
             trial
         })
         .collect();
-    let mut assurance = Assurance {
-        trials: Vec::new(),
-        inapplicable: faults.to_vec(),
-        omitted,
-    };
-    assurance.join(Assurance {
+    Assurance {
         trials: tried.into_iter().flatten().collect(),
-        ..Assurance::default()
-    });
-    assurance
+        faults: faults.to_vec(),
+        omitted,
+    }
 }
 
 /// How many subjects each of so many mistakes is tried on. Not a time: results do not depend on the load of the machine.
@@ -157,16 +159,19 @@ struct Platform<'w> {
     world: &'w World,
     rules: &'w dyn RuleRunner,
     healthy: Verdict,
+    healthy_keys: Vec<Key>,
     /// What these rules alone find without a mistake.
     healthy_of: Mutex<BTreeMap<Vec<&'static str>, Arc<Vec<Key>>>>,
 }
 
 impl<'w> Platform<'w> {
     fn new(world: &'w World, rules: &'w dyn RuleRunner) -> Self {
+        let healthy = rules.judge(world, &|_| true);
         Self {
             world,
             rules,
-            healthy: rules.judge(world, &|_| true),
+            healthy_keys: healthy.findings.iter().map(key).collect(),
+            healthy,
             healthy_of: Mutex::default(),
         }
     }
@@ -203,8 +208,7 @@ impl<'w> Platform<'w> {
             return Some(trial(TrialOutcome::Named, &[*named], None));
         }
         let altered = self.rules.judge(&world, &|_| true);
-        let healthy: Vec<Key> = self.healthy.findings.iter().map(key).collect();
-        let mut new = new_findings(&healthy, &altered);
+        let mut new = new_findings(&self.healthy_keys, &altered);
         new.retain(|finding| finding.confidence > Confidence::Hint);
         new.sort_by_key(|finding| !fault.is_named_by(finding, &same));
         if new.first().is_some_and(|finding| fault.is_named_by(finding, &same)) {

@@ -12,7 +12,7 @@ use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_INCOMPLETE};
 use crate::verdict::{KeptOutcomes, Outcome};
 
 use super::args::{Assure, AssureFormat};
-use super::{Answer, Failure, Surroundings, nearest, paths_or_here, save};
+use super::{Answer, Failure, Surroundings, paths_or_here, save};
 
 /// Tries known mistakes on the inputs. 0: tried; 3: nothing could be tried, or an input was not read in full; 70: internal error.
 pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -82,16 +82,8 @@ fn by_extension(file: Option<&Path>) -> AssureFormat {
 
 /// The mistakes with these names or of these families; all if there are none.
 fn selected(select: &[String]) -> Result<Vec<&'static Fault>, Failure> {
-    for word in select {
-        if !catalogue().any(|fault| fault.is_called(word)) {
-            let known: Vec<&str> = catalogue()
-                .flat_map(|fault| [fault.name, fault.family.word()])
-                .collect();
-            let meant = nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
-            return Err(Failure::Usage(format!(
-                "no mistake and no family is called `{word}`{meant}\n`frames-lint assure --list` lists all mistakes"
-            )));
-        }
+    if let Some(what) = select.iter().find_map(|word| engine::unknown_mistake(word)) {
+        return Err(Failure::Usage(what));
     }
     let is_selected = |fault: &&Fault| select.is_empty() || select.iter().any(|word| fault.is_called(word));
     Ok(catalogue().filter(is_selected).collect())

@@ -52,6 +52,7 @@ pub use crate::read::xacro::{ExpandOptions as XacroOptions, VERB as EXPAND_XACRO
 pub use governed::settings_of;
 pub use hash::hash;
 pub use options::{Options, Retention, UsageError, VerdictScope};
+pub use plan::{nearest, unknown_mistake};
 pub use policy::write_baseline;
 pub use sampling::Extent;
 pub use timings::Timings;

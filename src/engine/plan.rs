@@ -124,15 +124,38 @@ fn unknown(all: &[EnabledRule], word: &str) -> String {
 
 /// Checks that the mistakes that a configuration names exist.
 pub(super) fn known_mistakes(config: &Config) -> Result<(), UsageError> {
-    for (word, origin) in config.detections() {
-        if !catalogue().any(|fault| fault.is_called(word)) {
-            let names = catalogue().map(|fault| fault.name);
-            let likeness = |name: &&str| std::cmp::Reverse(strsim::damerau_levenshtein(name, word));
-            let meant = names.max_by_key(likeness).unwrap_or_default();
-            return Err(UsageError(format!(
-                "{origin}: no known mistake is called `{word}`; did you mean `{meant}`? `frames-lint assure --list` lists all"
-            )));
-        }
+    let unknown = config
+        .detections()
+        .find_map(|(word, origin)| Some((origin, unknown_mistake(word)?)));
+    unknown.map_or(Ok(()), |(origin, what)| Err(UsageError(format!("{origin}: {what}"))))
+}
+
+/// What is wrong with a word that is neither the name of a known mistake nor a family of them.
+pub fn unknown_mistake(word: &str) -> Option<String> {
+    if catalogue().any(|fault| fault.is_called(word)) {
+        return None;
     }
-    Ok(())
+    let known: Vec<&str> = catalogue()
+        .flat_map(|fault| [fault.name, fault.family.word()])
+        .collect();
+    let meant = nearest(word, &known).map_or_else(|| ";".to_owned(), |name| format!("; did you mean `{name}`?"));
+    Some(format!(
+        "no known mistake is called `{word}`{meant} `frames-lint assure --list` lists all"
+    ))
+}
+
+/// The most similar known word, if it is similar enough.
+pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    known
+        .iter()
+        .map(|name| {
+            (
+                strsim::normalized_damerau_levenshtein(&word, &name.to_lowercase()),
+                name,
+            )
+        })
+        .filter(|(likeness, _)| *likeness >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
+        .map(|(_, name)| *name)
 }

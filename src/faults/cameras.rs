@@ -7,7 +7,7 @@ use crate::world::World;
 use crate::world::bag::TopicEvidence;
 use crate::world::camera::CameraModel;
 
-use super::{Change, Family, Fault, Subject, SubjectPlace, mountings, restate, tree};
+use super::{Change, Fault, Subject, SubjectPlace, mountings, restate, tree};
 
 /// A relation that changes the transform of an optical frame to its parent.
 struct Optical(Relation);
@@ -68,7 +68,7 @@ impl Change for Intrinsics {
                     .into_iter()
                     .any(|calibration| is_calibrated(&calibration.camera))
             });
-            subjects.extend(calibrated.map(|topic| of_topic(bag, topic)));
+            subjects.extend(calibrated.map(|topic| Subject::of_topic(bag, topic)));
         }
         let files = world
             .cameras
@@ -114,17 +114,6 @@ impl Change for Intrinsics {
             }
             _ => false,
         }
-    }
-}
-
-fn of_topic(bag: usize, topic: &TopicEvidence) -> Subject {
-    Subject {
-        name: format!("topic `{}`", topic.topic),
-        words: vec![format!("`{}`", topic.topic)],
-        at: SubjectPlace::Topic {
-            bag,
-            topic: topic.topic.clone(),
-        },
     }
 }
 
@@ -223,7 +212,7 @@ impl Change for Stereo {
                     let words = [left, right].map(|topic| format!("`{}`", topic.topic)).to_vec();
                     subjects.push(Subject {
                         words,
-                        ..of_topic(bag, right)
+                        ..Subject::of_topic(bag, right)
                     });
                 }
             }
@@ -287,7 +276,7 @@ impl Change for LinkNamed {
                 .values()
                 .filter(|topic| topic.content.calibrations.is_some());
             let optical = calibrated.filter(|topic| topic.header_frames.keys().any(|frame| frame.has_token("optical")));
-            subjects.extend(optical.map(|topic| of_topic(bag, topic)));
+            subjects.extend(optical.map(|topic| Subject::of_topic(bag, topic)));
         }
         subjects
     }
@@ -317,17 +306,8 @@ impl Change for LinkNamed {
 
 /// A mistake of a camera.
 macro_rules! camera {
-    ($name:literal, $change:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Camera,
-            name: $name,
-            sentence: $sentence,
-            change: &$change,
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+    ($name:literal, $change:expr, $sentence:literal, $($named:tt)*) => {
+        fault!(Camera, $name, $sentence, $change, $($named)*)
     };
 }
 

@@ -8,7 +8,7 @@ use crate::world::World;
 use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, CloudSlice, PlaneCut, PointTimes};
 
-use super::{Change, Family, Fault, Subject, SubjectPlace};
+use super::{Change, Fault, Subject, SubjectPlace};
 
 /// A mistake of a cloud: which clouds can have it, and how it changes them. False where that changes nothing.
 struct Cloud {
@@ -23,7 +23,7 @@ impl Change for Cloud {
             for topic in evidence.topics.values() {
                 let clouds = topic.content.clouds.as_ref().filter(|clouds| is_seen(topic, clouds));
                 if clouds.is_some_and(|clouds| (self.has)(world, topic, clouds)) {
-                    subjects.push(subject(bag, topic));
+                    subjects.push(Subject::of_topic(bag, topic));
                 }
             }
         }
@@ -42,17 +42,6 @@ impl Change for Cloud {
 /// Whether points of a lidar or a camera are seen; those of a radar have mistakes of their own.
 fn is_seen(topic: &TopicEvidence, clouds: &CloudEvidence) -> bool {
     topic.content.radar.is_none() && clouds.samples.iter().any(|sample| !sample.points.is_empty())
-}
-
-fn subject(bag: usize, topic: &TopicEvidence) -> Subject {
-    Subject {
-        name: format!("topic `{}`", topic.topic),
-        words: vec![format!("`{}`", topic.topic)],
-        at: SubjectPlace::Topic {
-            bag,
-            topic: topic.topic.clone(),
-        },
-    }
 }
 
 fn any(_: &World, _: &TopicEvidence, _: &CloudEvidence) -> bool {
@@ -188,20 +177,8 @@ fn other_unit(times: &PointTimes) -> f64 {
 
 /// A mistake of a cloud.
 macro_rules! cloud {
-    ($name:literal, $has:expr, $change:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:literal) => {
-        Fault {
-            family: Family::Cloud,
-            name: $name,
-            sentence: $sentence,
-            change: &Cloud {
-                has: $has,
-                change: $change,
-            },
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+    ($name:literal, $has:expr, $change:expr, $sentence:literal, $($named:tt)*) => {
+        fault!(Cloud, $name, $sentence, Cloud { has: $has, change: $change }, $($named)*)
     };
 }
 

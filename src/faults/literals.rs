@@ -8,7 +8,7 @@ use crate::math::rotation;
 use crate::world::bag::{TfEdge, TfFault};
 use crate::world::{Claim, ClaimKind, Pose, Spelling, World};
 
-use super::{Change, Family, Fault, Subject, SubjectPlace, restate};
+use super::{Change, Fault, Subject, SubjectPlace, restate};
 
 /// Deviation from a rotation beyond which a reader takes a matrix for none.
 const POSE: f64 = 0.1;
@@ -191,20 +191,8 @@ fn quaternion(claim: &Claim, factor: f64) -> Option<Spelling> {
 
 /// A mistake in numbers.
 macro_rules! written {
-    ($name:literal, $claim:expr, $edge:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:literal) => {
-        Fault {
-            family: Family::Statement,
-            name: $name,
-            sentence: $sentence,
-            change: &Written {
-                claim: $claim,
-                edge: $edge,
-            },
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+    ($name:literal, $claim:expr, $edge:expr, $sentence:literal, $($named:tt)*) => {
+        fault!(Statement, $name, $sentence, Written { claim: $claim, edge: $edge }, $($named)*)
     };
 }
 

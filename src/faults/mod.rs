@@ -3,6 +3,22 @@
 //! A mistake is put into a world in memory, and changes it as the same mistake in the files or messages would change what is read of
 //! them. Mistakes are data with pure functions; nothing is judged here, and nothing is read.
 
+/// A mistake: its family, name, sentence and change; the relations and texts that name it; the rules that should see it; what to record.
+macro_rules! fault {
+    ($family:ident, $name:literal, $sentence:expr, $change:expr, $relations:expr, $texts:expr, $seen_by:expr, $record:expr $(,)?) => {
+        $crate::faults::Fault {
+            family: $crate::faults::Family::$family,
+            name: $name,
+            sentence: $sentence,
+            change: &$change,
+            relations: &$relations,
+            texts: &$texts,
+            seen_by: &$seen_by,
+            record: $record,
+        }
+    };
+}
+
 mod cameras;
 mod clouds;
 mod literals;

@@ -13,7 +13,7 @@ use crate::world::content::ContentEvidence;
 use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
 use crate::world::{FrameId, World};
 
-use super::{Change, Family, Fault, Subject, SubjectPlace, restate};
+use super::{Change, Fault, Subject, SubjectPlace, restate};
 
 /// What makes the wrong mounting of the right one.
 #[derive(Clone, Copy)]
@@ -253,17 +253,8 @@ fn mounting<'g>(
 
 /// A mistake of a mounting.
 macro_rules! mounting {
-    ($name:literal, $mounting:expr, $sentence:literal, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Mounting,
-            name: $name,
-            sentence: $sentence,
-            change: &$mounting,
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+    ($name:literal, $mounting:expr, $sentence:literal, $($named:tt)*) => {
+        fault!(Mounting, $name, $sentence, $mounting, $($named)*)
     };
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::restate::{relations_between, restate_claim, restate_edge, scale_angles};
-use super::{Change, Family, Fault, Subject, SubjectPlace};
+use super::{Change, Fault, Subject, SubjectPlace};
 use crate::math::relation::Relation;
 use crate::math::rotation::rotation_angle_between;
 use crate::world::{ClaimKind, World};
@@ -12,16 +12,16 @@ macro_rules! statements {
     ($($relation:ident $name:literal)*) => {
         /// Every relation but [`Relation::Equal`], in its order.
         pub(super) static FAULTS: &[Fault] = &[$(
-            Fault {
-                family: Family::Statement,
-                name: $name,
-                sentence: Relation::$relation.describe(),
-                change: &Restated(Relation::$relation),
-                relations: &[Relation::$relation.word()],
-                texts: &[],
-                seen_by: &["CROSS02", "CROSS01", "CROSS04", "CROSS03"],
-                record: "a second statement of the transform: the URDF, /tf_static or a calibration file",
-            },
+            fault!(
+                Statement,
+                $name,
+                Relation::$relation.describe(),
+                Restated(Relation::$relation),
+                [Relation::$relation.word()],
+                [],
+                ["CROSS02", "CROSS01", "CROSS04", "CROSS03"],
+                "a second statement of the transform: the URDF, /tf_static or a calibration file",
+            ),
         )*];
     };
 }

@@ -2,6 +2,7 @@
 
 use super::motion::Stream;
 use crate::world::FrameId;
+use crate::world::bag::TopicEvidence;
 
 /// Something of a world that can have a mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +45,19 @@ pub enum SubjectPlace {
 }
 
 impl Subject {
+    /// A topic of the recording with this number.
+    pub(super) fn of_topic(bag: usize, topic: &TopicEvidence) -> Self {
+        let word = format!("`{}`", topic.topic);
+        Self {
+            name: format!("topic {word}"),
+            words: vec![word],
+            at: SubjectPlace::Topic {
+                bag,
+                topic: topic.topic.clone(),
+            },
+        }
+    }
+
     /// Whether a row or a finding with this subject is about it.
     pub fn is_in(&self, text: &str) -> bool {
         self.words.iter().any(|word| text.contains(word.as_str()))

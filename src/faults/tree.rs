@@ -138,17 +138,8 @@ fn capital(name: &str) -> Option<String> {
 
 /// A mistake of the tree.
 macro_rules! tree {
-    ($name:literal, $change:expr, $sentence:literal, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Tree,
-            name: $name,
-            sentence: $sentence,
-            change: &$change,
-            relations: &[],
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+    ($name:literal, $change:expr, $sentence:literal, $($named:tt)*) => {
+        fault!(Tree, $name, $sentence, $change, [], $($named)*)
     };
 }
 

@@ -3,65 +3,54 @@
 use crate::assure::{Assurance, Trial, TrialOutcome};
 use crate::faults::Fault;
 use crate::run::{RequirementKind, UnmetRequirement};
-use crate::verdict::waiver::Acceptance;
 
-use super::{Force, Requirement};
+use super::{Force, Requirement, require};
 
 /// Subjects that are named for one mistake.
 const MAX_SUBJECTS: usize = 3;
 
 /// The required mistakes that these trials miss, or that nothing in the data can have.
 pub(super) fn undetected(assured: &[&Assurance], required: &[Requirement]) -> Vec<UnmetRequirement> {
-    let mut whole = Assurance::default();
-    for one in assured {
-        whole.join((*one).clone());
-    }
+    let mut faults: Vec<&'static Fault> = assured.iter().flat_map(|one| one.faults.iter().copied()).collect();
+    faults.sort_by_key(|fault| fault.name);
+    faults.dedup_by_key(|fault| fault.name);
     let mut unmet: Vec<UnmetRequirement> = Vec::new();
     for (at, requirement) in required.iter().enumerate() {
         if matches!(requirement.force, Force::Lifted(_)) {
             continue;
         }
-        let tried = whole.trials.iter().map(|trial| trial.fault);
-        let mut faults: Vec<&'static Fault> = tried.chain(whole.inapplicable.iter().copied()).collect();
-        faults.retain(|fault| fault.is_called(&requirement.rule));
-        faults.sort_by_key(|fault| fault.name);
-        faults.dedup_by_key(|fault| fault.name);
-        for fault in faults {
-            let Some(mut one) = missing(&whole, requirement, fault) else {
+        for fault in faults.iter().filter(|fault| fault.is_called(&requirement.rule)) {
+            let Some(mut one) = missing(assured, requirement, fault) else {
                 continue;
             };
-            let behind = required.get(at + 1..).unwrap_or_default();
-            one.waived = behind.iter().find_map(|later| lifts(later, fault));
-            if !unmet
-                .iter()
-                .any(|known| known.rule == one.rule && known.subject == one.subject)
-            {
-                unmet.push(one);
-            }
+            let mut behind = required.get(at + 1..).unwrap_or_default().iter();
+            one.waived = behind.find_map(|later| later.lifts(requirement, |word| fault.is_called(word)));
+            require::add(&mut unmet, one);
         }
     }
     unmet
 }
 
-fn missing(whole: &Assurance, requirement: &Requirement, fault: &'static Fault) -> Option<UnmetRequirement> {
+fn missing(assured: &[&Assurance], requirement: &Requirement, fault: &'static Fault) -> Option<UnmetRequirement> {
+    let of_fault = assured.iter().flat_map(|one| &one.trials);
+    let all: Vec<&Trial> = of_fault.filter(|trial| trial.fault.name == fault.name).collect();
     let is_meant = |trial: &&Trial| {
         let subject = requirement.subject.as_ref();
-        trial.fault.name == fault.name && subject.is_none_or(|glob| glob.is_match(&trial.subject))
+        subject.is_none_or(|glob| glob.is_match(&trial.subject))
     };
-    let trials: Vec<&Trial> = whole.trials.iter().filter(is_meant).collect();
+    let trials: Vec<&Trial> = all.iter().copied().filter(is_meant).collect();
     let missed: Vec<&Trial> = trials
         .iter()
         .copied()
         .filter(|trial| trial.outcome == TrialOutcome::Missed)
         .collect();
-    let omitted = whole.omitted.get(fault.name).copied().unwrap_or_default();
+    let omitted: usize = assured.iter().filter_map(|one| one.omitted.get(fault.name)).sum();
     let mut why: Vec<String> = Vec::new();
     if trials.is_empty() {
         if requirement.force == Force::IfApplicable {
             return None;
         }
-        let applies = whole.trials.iter().any(|trial| trial.fault.name == fault.name);
-        let glob = requirement.subject.as_ref().filter(|_| applies);
+        let glob = requirement.subject.as_ref().filter(|_| !all.is_empty());
         why.push(glob.map_or_else(
             || "nothing in the data can have this mistake".to_owned(),
             |glob| format!("no subject that can have this mistake matches `{}`", glob.glob().glob()),
@@ -92,18 +81,5 @@ fn missing(whole: &Assurance, requirement: &Requirement, fault: &'static Fault) 
         recordings: Vec::new(),
         origin: requirement.origin.clone(),
         waived: None,
-    })
-}
-
-/// The acceptance, if this entry lifts an earlier requirement of a mistake.
-fn lifts(later: &Requirement, fault: &Fault) -> Option<Acceptance> {
-    let Force::Lifted(reason) = &later.force else {
-        return None;
-    };
-    fault.is_called(&later.rule).then(|| Acceptance {
-        reason: reason.clone(),
-        by: None,
-        until: None,
-        origin: later.origin.clone(),
     })
 }

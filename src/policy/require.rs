@@ -46,19 +46,25 @@ pub(super) fn unmet(
                 }
             }
             let behind = required.get(at + 1..).unwrap_or_default();
-            if let Some(lifted) = behind.iter().find_map(|later| later.lifts(requirement, rule)) {
+            let is_called = |word: &str| names_rule(word, rule.code, rule.name);
+            if let Some(lifted) = behind.iter().find_map(|later| later.lifts(requirement, is_called)) {
                 one.waived.get_or_insert(lifted);
             }
-            let is_known = |other: &&mut UnmetRequirement| other.rule == one.rule && other.subject == one.subject;
-            match unmet.iter_mut().find(is_known) {
-                // It was lifted, and is required again later.
-                Some(known) if one.waived.is_none() => *known = one,
-                Some(_) => {}
-                None => unmet.push(one),
-            }
+            add(&mut unmet, one);
         }
     }
     unmet
+}
+
+/// Adds a requirement that is not met; one that is required twice is reported once.
+pub(super) fn add(unmet: &mut Vec<UnmetRequirement>, one: UnmetRequirement) {
+    let is_known = |other: &&mut UnmetRequirement| other.rule == one.rule && other.subject == one.subject;
+    match unmet.iter_mut().find(is_known) {
+        // It was lifted, and is required again later.
+        Some(known) if one.waived.is_none() => *known = one,
+        Some(_) => {}
+        None => unmet.push(one),
+    }
 }
 
 /// If fewer of the applicable checks were evaluated than required.
@@ -86,14 +92,14 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<UnmetReq
 }
 
 impl Requirement {
-    /// The acceptance, if this entry lifts an earlier requirement of a rule.
-    fn lifts(&self, before: &Self, rule: &Page) -> Option<Acceptance> {
+    /// The acceptance, if this entry lifts an earlier requirement of what is called like that.
+    pub(super) fn lifts(&self, before: &Self, is_called: impl Fn(&str) -> bool) -> Option<Acceptance> {
         let Force::Lifted(reason) = &self.force else {
             return None;
         };
         let glob = |one: &Self| one.subject.as_ref().map(|glob| glob.glob().glob().to_owned());
         let is_meant = self.subject.is_none() || glob(self) == glob(before);
-        (is_meant && names_rule(&self.rule, rule.code, rule.name)).then(|| Acceptance {
+        (is_meant && is_called(&self.rule)).then(|| Acceptance {
             reason: reason.clone(),
             by: None,
             until: None,

@@ -145,7 +145,7 @@ pub(super) fn section(
 
 /// The totals in one sentence.
 pub(super) fn totals(assurance: &Assurance) -> String {
-    let inapplicable = assurance.inapplicable.len();
+    let inapplicable = assurance.inapplicable().len();
     if assurance.trials.is_empty() {
         return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
     }
@@ -177,9 +177,9 @@ pub(super) struct AssuranceRows<'a> {
 impl<'a> AssuranceRows<'a> {
     pub(super) fn of(assurance: &'a Assurance) -> Self {
         let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+        let inapplicable: Vec<&str> = assurance.inapplicable().iter().map(|fault| fault.name).collect();
         Self {
             faults: assurance.trials.iter().map(TrialRow::of).collect(),
-            inapplicable: assurance.inapplicable.iter().map(|fault| fault.name).collect(),
             summary: Counts {
                 tried: assurance.trials.len(),
                 named,
@@ -187,8 +187,9 @@ impl<'a> AssuranceRows<'a> {
                 missed,
                 present,
                 omitted: assurance.omitted.values().sum(),
-                inapplicable: assurance.inapplicable.len(),
+                inapplicable: inapplicable.len(),
             },
+            inapplicable,
         }
     }
 }

@@ -281,6 +281,11 @@ fn what_must_be_found_is_a_requirement() {
         check("{detects: [stated-inverse]}\n  - {detects: stated-inverse, lifted: no second source}").code,
         0
     );
+    // As for rules: lifting counts for its subject, and for the entries before it.
+    let of_another = "{detects: stated-inverse}\n  - {detects: stated-inverse, subject: '*camera*', lifted: no camera}";
+    assert_eq!(check(of_another).code, 3);
+    let again = "{detects: stated-inverse}\n  - {detects: stated-inverse, lifted: no}\n  - {detects: stated-inverse}";
+    assert_eq!(check(again).code, 3);
     fs::write(folder.path().join(stated.0), stated.1).unwrap();
     let ran = check("{detects: [stated-inverse, stated-z180]}");
     assert_eq!(ran.code, 0, "{}", ran.text());

@@ -115,7 +115,7 @@ const MADE: &[(&str, &str, &str)] = &[
 ];
 
 /// Rule, subject and relation of a finding.
-type Told = (String, String, Option<String>);
+type FindingKey = (String, String, Option<String>);
 
 /// What a drive with this made in a stream is collected as.
 pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
@@ -140,7 +140,7 @@ pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
     world
 }
 
-fn told(world: &World, rules: &Rules) -> BTreeSet<Told> {
+fn finding_keys(world: &World, rules: &Rules) -> BTreeSet<FindingKey> {
     let folder = world.path(world.bags.first().unwrap().source).to_owned();
     let findings = rules.judge(world).findings.into_iter();
     findings
@@ -162,7 +162,7 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
     for vehicle in ["car", "drone"] {
         let recipe = DRIVE.replace("vehicle: car", &format!("vehicle: {vehicle}"));
         let healthy = collected(&recipe, None);
-        eprintln!("{vehicle}, healthy: {:?}", told(&healthy, &rules));
+        eprintln!("{vehicle}, healthy: {:?}", finding_keys(&healthy, &rules));
         for (name, stream, knob) in MADE {
             let fault = known(name);
             let word = format!("`/{stream}`");
@@ -172,7 +172,7 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
             let is_applied = fault.change.apply(&mut altered, subject);
             altered.absorb(Facts::default());
             let truth = collected(&recipe, Some((stream, knob)));
-            let (ours, theirs) = (told(&altered, &rules), told(&truth, &rules));
+            let (ours, theirs) = (finding_keys(&altered, &rules), finding_keys(&truth, &rules));
             let by_name = rules
                 .judge(&truth)
                 .findings

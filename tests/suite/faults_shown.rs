@@ -62,8 +62,8 @@ fn every_mistake_is_shown_by_some_rule() {
     let mut best: BTreeMap<&str, (TrialOutcome, String)> = BTreeMap::new();
     for world in &worlds {
         for trial in assure(world, &rules, &faults, &Progress::new(false)).trials {
-            let told = trial.reason.unwrap_or_else(|| trial.rules.join(", "));
-            let one = (trial.outcome, told);
+            let why = trial.reason.unwrap_or_else(|| trial.rules.join(", "));
+            let one = (trial.outcome, why);
             let known = best.entry(trial.fault.name).or_insert_with(|| one.clone());
             *known = one.max(known.clone());
         }

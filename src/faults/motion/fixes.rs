@@ -79,7 +79,7 @@ fn first_place(content: &ContentEvidence) -> Option<Geodetic> {
 /// Changes fixes, as far as evidence has them; false if none of them changes.
 fn change_fixes(content: &mut ContentEvidence, change: impl Fn(&mut FixMessage)) -> bool {
     let mut is_changed = false;
-    let mut told = |latitude: &mut f64, longitude: &mut f64, altitude: &mut f64| {
+    let mut altered = |latitude: &mut f64, longitude: &mut f64, altitude: &mut f64| {
         let before = FixMessage {
             latitude: *latitude,
             longitude: *longitude,
@@ -95,12 +95,12 @@ fn change_fixes(content: &mut ContentEvidence, change: impl Fn(&mut FixMessage))
     };
     let series = content.motion.fixes.iter_mut();
     for row in series.flat_map(|series| series.stretches.iter_mut().flatten()) {
-        told(&mut row.latitude_deg, &mut row.longitude_deg, &mut row.altitude_m);
+        altered(&mut row.latitude_deg, &mut row.longitude_deg, &mut row.altitude_m);
     }
     if let Some(fixes) = &mut content.fixes {
         let examples = fixes.out_of_range.1.iter_mut().chain(&mut fixes.null_island.1);
         for fix in fixes.samples.iter_mut().chain(examples) {
-            told(&mut fix.latitude_deg, &mut fix.longitude_deg, &mut fix.altitude_m);
+            altered(&mut fix.latitude_deg, &mut fix.longitude_deg, &mut fix.altitude_m);
         }
         count_out_of_range(fixes);
     }

@@ -103,12 +103,12 @@ impl Oriented for ImuMessage {
     }
 
     fn change_world(&mut self, new_from_old: &Rotation3<f64>) {
-        self.orientation = turned(self.orientation, |told| UnitQuaternion::from(*new_from_old) * told);
+        self.orientation = turned(self.orientation, |stated| UnitQuaternion::from(*new_from_old) * stated);
         rotate(&mut self.orientation_covariance, new_from_old.matrix());
     }
 
     fn change_body(&mut self, old_from_new: &Rotation3<f64>) {
-        self.orientation = turned(self.orientation, |told| told * UnitQuaternion::from(*old_from_new));
+        self.orientation = turned(self.orientation, |stated| stated * UnitQuaternion::from(*old_from_new));
         self.change_vectors(old_from_new.inverse().matrix());
     }
 
@@ -202,12 +202,12 @@ fn has_orientation(content: &ContentEvidence) -> bool {
 
 /// A message with a mistake: where there is no orientation, none appears.
 fn changed(message: &ImuMessage, has_orientation: bool, change: impl Fn(&mut ImuMessage)) -> ImuMessage {
-    let mut told = *message;
-    change(&mut told);
+    let mut altered = *message;
+    change(&mut altered);
     if !has_orientation {
-        told.orientation = message.orientation;
+        altered.orientation = message.orientation;
     }
-    told
+    altered
 }
 
 /// Some rows of a stream, each with whether there is an orientation.
@@ -234,27 +234,27 @@ pub fn change_imu(world: &mut World, stream: &Stream, change: impl Fn(&mut ImuMe
         let series = content.motion.inertial.iter_mut();
         for row in series.flat_map(|series| series.stretches.iter_mut().flatten()) {
             let message = ImuMessage::of_row(row);
-            let told = changed(&message, has_orientation, &change);
-            is_changed |= !told.is_same(&message);
+            let altered = changed(&message, has_orientation, &change);
+            is_changed |= !altered.is_same(&message);
             let square = |gyro: [f64; 3]| Some(Vector3::from(gyro).norm_squared()).filter(|square| square.is_finite());
             before += square(message.gyro).unwrap_or_default();
-            after += square(told.gyro).unwrap_or_default();
-            row.orientation = told.orientation;
-            (row.angular_velocity, row.linear_acceleration) = (told.gyro, told.acceleration);
+            after += square(altered.gyro).unwrap_or_default();
+            row.orientation = altered.orientation;
+            (row.angular_velocity, row.linear_acceleration) = (altered.gyro, altered.acceleration);
         }
         let scale = if before > 0.0 { (after / before).sqrt() } else { 1.0 };
         if let Some(imu) = &mut content.imu {
             change_counts(imu, scale, has_orientation, &change);
         }
-        for (field, told) in COVARIANCES.into_iter().zip([
-            (|told: ImuMessage| told.orientation_covariance) as fn(ImuMessage) -> [f64; 9],
-            |told| told.gyro_covariance,
-            |told| told.acceleration_covariance,
+        for (field, covariance_of) in COVARIANCES.into_iter().zip([
+            (|altered: ImuMessage| altered.orientation_covariance) as fn(ImuMessage) -> [f64; 9],
+            |altered| altered.gyro_covariance,
+            |altered| altered.acceleration_covariance,
         ]) {
             change_covariances::<9>(content, field, |_, values| {
                 let mut message = ImuMessage::of_covariance(values);
                 change(&mut message);
-                let new = told(message);
+                let new = covariance_of(message);
                 is_changed |= !is_same_vector(new, values);
                 new
             });
@@ -268,8 +268,8 @@ fn change_counts(imu: &mut ImuEvidence, scale: f64, has_orientation: bool, chang
     imu.angular_velocity_rms *= scale;
     imu.turned_rad *= scale;
     let identity = ImuMessage::of_covariance([0.0; 9]);
-    let told = changed(&identity, has_orientation, change);
-    if !is_same_orientation(told.orientation, identity.orientation) {
+    let altered = changed(&identity, has_orientation, change);
+    if !is_same_orientation(altered.orientation, identity.orientation) {
         imu.identity = 0;
     }
 }

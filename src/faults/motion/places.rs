@@ -67,10 +67,12 @@ impl Change for PlaceChange {
             return false;
         };
         change_poses(world, stream, |message, _| {
-            let told = frame.pose(message.position).and_then(|pose| (self.0)(&pose));
-            if let Some((position, new_from_old)) = told {
+            let altered = frame.pose(message.position).and_then(|pose| (self.0)(&pose));
+            if let Some((position, new_from_old)) = altered {
                 message.position = position.into();
-                message.orientation = turned(message.orientation, |told| UnitQuaternion::from(new_from_old) * told);
+                message.orientation = turned(message.orientation, |stated| {
+                    UnitQuaternion::from(new_from_old) * stated
+                });
             }
         })
     }

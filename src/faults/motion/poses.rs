@@ -71,9 +71,9 @@ impl PoseMessage {
     /// The pose of the parent in the child.
     pub(super) fn invert(&mut self) {
         let position = Translation3::from(Vector3::from(self.position));
-        let told = Isometry3::from_parts(position, rotation(self.orientation)).inverse();
-        self.position = told.translation.vector.into();
-        self.orientation = turned(self.orientation, |told| told.inverse());
+        let altered = Isometry3::from_parts(position, rotation(self.orientation)).inverse();
+        self.position = altered.translation.vector.into();
+        self.orientation = turned(self.orientation, |stated| stated.inverse());
     }
 
     /// The velocity in the axes of the parent.
@@ -118,12 +118,12 @@ impl Oriented for PoseMessage {
 
     fn change_world(&mut self, new_from_old: &Rotation3<f64>) {
         self.change_position(new_from_old.matrix());
-        self.orientation = turned(self.orientation, |told| UnitQuaternion::from(*new_from_old) * told);
+        self.orientation = turned(self.orientation, |stated| UnitQuaternion::from(*new_from_old) * stated);
         rotate6(&mut self.covariance, new_from_old.matrix(), new_from_old.matrix());
     }
 
     fn change_body(&mut self, old_from_new: &Rotation3<f64>) {
-        self.orientation = turned(self.orientation, |told| told * UnitQuaternion::from(*old_from_new));
+        self.orientation = turned(self.orientation, |stated| stated * UnitQuaternion::from(*old_from_new));
         let new_from_old = old_from_new.inverse();
         self.change_linear(new_from_old.matrix());
         self.change_angular(new_from_old.matrix());
@@ -256,12 +256,12 @@ pub fn change_poses(world: &mut World, stream: &Stream, mut change: impl FnMut(&
 fn change_content(content: &mut ContentEvidence, change: &mut impl FnMut(&mut PoseMessage, i64)) -> bool {
     let mut is_changed = false;
     let before: Vec<PoseRow> = content.motion.poses.iter().flat_map(Series::rows).copied().collect();
-    for (field, told) in [
+    for (field, covariance_of) in [
         (
             "pose.covariance",
-            (|told: PoseMessage| told.covariance) as fn(PoseMessage) -> [f64; 36],
+            (|altered: PoseMessage| altered.covariance) as fn(PoseMessage) -> [f64; 36],
         ),
-        ("twist.covariance", |told| told.twist_covariance),
+        ("twist.covariance", |altered| altered.twist_covariance),
     ] {
         let moments = before.iter().map(|row| [row.stamp_ns, row.log_ns]);
         let only = spread_constant(content, field, moments);
@@ -270,7 +270,7 @@ fn change_content(content: &mut ContentEvidence, change: &mut impl FnMut(&mut Po
             let Some(near) = near else { return values };
             let mut message = PoseMessage::of_row(near, &values);
             change(&mut message, sample.at.log_ns);
-            let new = told(message);
+            let new = covariance_of(message);
             is_changed |= !is_same_vector(new, values);
             new
         });
@@ -316,17 +316,17 @@ fn change_series(series: &mut Series<PoseRow>, change: &mut impl FnMut(&mut Pose
     let mut is_changed = false;
     for row in series.stretches.iter_mut().flatten() {
         let message = PoseMessage::of_row(row, &[0.0; 36]);
-        let mut told = message;
-        change(&mut told, row.log_ns);
-        (row.position, row.orientation) = (told.position, told.orientation);
+        let mut altered = message;
+        change(&mut altered, row.log_ns);
+        (row.position, row.orientation) = (altered.position, altered.orientation);
         if row.twist.is_none() {
-            (told.linear, told.angular) = (message.linear, message.angular);
+            (altered.linear, altered.angular) = (message.linear, message.angular);
         }
         row.twist = row.twist.map(|_| Twist {
-            linear: told.linear,
-            angular: told.angular,
+            linear: altered.linear,
+            angular: altered.angular,
         });
-        is_changed |= !told.is_same(&message);
+        is_changed |= !altered.is_same(&message);
     }
     let after = sizes(series);
     let ratio = |after: f64, before: f64| if before > 0.0 { after / before } else { 1.0 };

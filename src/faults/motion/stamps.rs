@@ -35,7 +35,7 @@ impl Change for StampChange {
         let topics = bags.flat_map(|(bag, evidence)| evidence.topics.values().map(move |topic| (bag, topic)));
         topics
             .filter(|(_, topic)| self.applies_to(topic))
-            .map(subject)
+            .map(|(bag, topic)| Subject::of_topic(bag, topic))
             .collect()
     }
 
@@ -71,19 +71,6 @@ impl StampChange {
         };
         let has_stamps = topic.stamps.count > topic.stamps.zero;
         has_stamps && (has_motion(topic) || !is_small && is_of_a_sensor(topic))
-    }
-}
-
-/// A topic as a subject.
-fn subject((bag, topic): (usize, &TopicEvidence)) -> Subject {
-    let word = format!("`{}`", topic.topic);
-    Subject {
-        name: format!("topic {word}"),
-        words: vec![word],
-        at: SubjectPlace::Topic {
-            bag,
-            topic: topic.topic.clone(),
-        },
     }
 }
 

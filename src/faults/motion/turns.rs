@@ -83,12 +83,12 @@ pub(super) fn ned_world(message: &mut impl Oriented) {
 
 /// The quaternion alone in north, east, down, of a body forward, right, down.
 pub(super) fn ned_orientation(message: &mut impl Oriented) {
-    message.turn(|told| UnitQuaternion::from(ned_enu()) * told * UnitQuaternion::from(flu_frd()));
+    message.turn(|stated| UnitQuaternion::from(ned_enu()) * stated * UnitQuaternion::from(flu_frd()));
 }
 
 /// The inverse quaternion.
 pub(super) fn conjugate(message: &mut impl Oriented) {
-    message.turn(|told| told.inverse());
+    message.turn(|stated| stated.inverse());
 }
 
 /// `w x y z` in the slots of `x y z w`.
@@ -106,29 +106,29 @@ pub(super) fn wxyz_conjugate(message: &mut impl Oriented) {
 
 /// The heading, clockwise from north, as the yaw.
 pub(super) fn compass_yaw(message: &mut impl Oriented) {
-    message.turn(|told| {
-        let (roll, pitch, yaw) = to_rpy(&told);
+    message.turn(|stated| {
+        let (roll, pitch, yaw) = to_rpy(&stated);
         from_rpy(roll, pitch, FRAC_PI_2 - yaw)
     });
 }
 
 /// A yaw that is zero in the north, towards the west.
 pub(super) fn zero_north(message: &mut impl Oriented) {
-    message.turn(|told| UnitQuaternion::from(quarters(-1.0)) * told);
+    message.turn(|stated| UnitQuaternion::from(quarters(-1.0)) * stated);
 }
 
 /// Roll, pitch and yaw put together as `Rx Ry Rz`.
 pub(super) fn euler_xyz(message: &mut impl Oriented) {
-    message.turn(|told| {
-        let (roll, pitch, yaw) = to_rpy(&told);
+    message.turn(|stated| {
+        let (roll, pitch, yaw) = to_rpy(&stated);
         from_rpy(roll, 0.0, 0.0) * from_rpy(0.0, pitch, 0.0) * from_rpy(0.0, 0.0, yaw)
     });
 }
 
 /// Degrees taken for radians where roll, pitch and yaw become a quaternion.
 pub(super) fn angles_in_degrees(message: &mut impl Oriented) {
-    message.turn(|told| {
-        let (roll, pitch, yaw) = to_rpy(&told);
+    message.turn(|stated| {
+        let (roll, pitch, yaw) = to_rpy(&stated);
         from_rpy(roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees())
     });
 }

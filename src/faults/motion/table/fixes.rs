@@ -3,7 +3,7 @@
 use super::super::fixes::FixChange;
 use super::super::origins::OriginChange;
 use super::{MIRRORED, POSITION};
-use crate::faults::{Family, Fault};
+use crate::faults::Fault;
 
 /// To record for a receiver.
 const WITH_ODOMETRY: &str = "odometry beside the satellite fixes, on a drive with turns";
@@ -13,25 +13,10 @@ const WITH_ORIGIN: &str =
 /// What 10 m to the north are, degrees.
 const TEN_METRES_DEG: f64 = 9e-5;
 
-/// A mistake, by its name, sentence, change, relations, texts, rules that should see it, and what to record.
-macro_rules! fix {
-    ($name:literal, $sentence:literal, $change:expr, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Fix,
-            name: $name,
-            sentence: $sentence,
-            change: &$change,
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
-    };
-}
-
 /// Every mistake.
 pub(super) static FAULTS: &[Fault] = &[
-    fix!(
+    fault!(
+        Fix,
         "fix-swapped",
         "Latitude and longitude are swapped.",
         FixChange::Message(|fix| std::mem::swap(&mut fix.latitude, &mut fix.longitude)),
@@ -40,7 +25,8 @@ pub(super) static FAULTS: &[Fault] = &[
         ["AXES07"],
         WITH_ODOMETRY
     ),
-    fix!(
+    fault!(
+        Fix,
         "fix-radians",
         "Latitude and longitude are in radians where degrees are meant.",
         FixChange::Message(|fix| {
@@ -51,7 +37,8 @@ pub(super) static FAULTS: &[Fault] = &[
         ["GEO01", "AXES07"],
         "a second receiver, or odometry beside the satellite fixes"
     ),
-    fix!(
+    fault!(
+        Fix,
         "fix-e7",
         "Latitude and longitude are integers of 1e-7 degrees where degrees are meant.",
         FixChange::Message(|fix| {
@@ -62,7 +49,8 @@ pub(super) static FAULTS: &[Fault] = &[
         ["GEO01"],
         "satellite fixes"
     ),
-    fix!(
+    fault!(
+        Fix,
         "fix-msl-altitude",
         "Altitudes are above mean sea level where those above the ellipsoid are meant.",
         FixChange::SeaLevel,
@@ -71,7 +59,8 @@ pub(super) static FAULTS: &[Fault] = &[
         ["GEO06"],
         "a second source of altitudes: NMEA sentences (GGA), or a receiver whose altitudes are above the ellipsoid"
     ),
-    fix!(
+    fault!(
+        Fix,
         "fix-origin-moved",
         "The origin of the map, as a file states it, is 10 m off.",
         OriginChange(|[latitude, longitude]| [latitude + TEN_METRES_DEG, longitude]),
@@ -80,7 +69,8 @@ pub(super) static FAULTS: &[Fault] = &[
         ["GEO07"],
         WITH_ORIGIN
     ),
-    fix!(
+    fault!(
+        Fix,
         "fix-origin-swapped",
         "Latitude and longitude of the map's origin, as a file states it, are swapped.",
         OriginChange(|[latitude, longitude]| [longitude, latitude]),

@@ -11,26 +11,23 @@ use super::super::turns::{
     quarters, wxyz, wxyz_conjugate, xy_swap, zero_north,
 };
 use super::{CONSTANT, WITH_IMU, WITH_MOUNT, WITH_TRACK};
-use crate::faults::{Family, Fault};
+use crate::faults::Fault;
 use crate::math::constants::flu_frd;
 
 /// A mistake, by its name, sentence, need, change, relations, texts, rules that should see it, and what to record.
 macro_rules! imu {
-    ($name:literal, $sentence:literal, $needs:ident, $change:expr, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Imu,
-            name: $name,
-            sentence: $sentence,
-            change: &ImuChange {
+    ($name:literal, $sentence:literal, $needs:ident, $change:expr, $($named:tt)*) => {
+        fault!(
+            Imu,
+            $name,
+            $sentence,
+            ImuChange {
                 needs: ImuNeed::$needs,
                 change: $change,
                 known: KNOWN,
             },
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
+            $($named)*
+        )
     };
 }
 
@@ -187,9 +184,9 @@ pub(super) static FAULTS: &[Fault] = &[
         "imu-sides",
         "The orientation was converted with its rotations on the wrong sides.",
         Orientation,
-        |message| message.turn(|told| {
+        |message| message.turn(|stated| {
             let [world, body] = [crate::math::constants::ned_enu(), flu_frd()].map(UnitQuaternion::from);
-            body * world * told * body * world
+            body * world * stated * body * world
         }),
         ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
         [
@@ -464,7 +461,7 @@ fn sensor_frd(message: &mut ImuMessage) {
 
 /// The body of the orientation alone forward, right, down.
 fn frd_body(message: &mut ImuMessage) {
-    message.turn(|told| told * UnitQuaternion::from(flu_frd()));
+    message.turn(|stated| stated * UnitQuaternion::from(flu_frd()));
 }
 
 /// A sensor that is turned by 180 deg about x.

@@ -10,7 +10,7 @@ use super::super::places::{PlaceChange, PlacedPose};
 use super::super::poses::{KnownPoseMistake, PoseChange, PoseMessage, PoseNeed};
 use super::super::turns::{Oriented, compass_yaw, conjugate, diagonal, ned_frd, ned_world, quarters, wxyz, xy_swap};
 use super::{CONSTANT, MIRRORED, POSITION, WITH_FIXES, WITH_TWIST};
-use crate::faults::{Family, Fault};
+use crate::faults::Fault;
 use crate::math::constants::flu_frd;
 
 /// To record for whatever shows in the frame of the base.
@@ -26,8 +26,9 @@ const FAR_DEG: f64 = 0.18;
 
 /// A mistake, by its name, sentence, need, change, relations, texts, rules that should see it, and what to record.
 macro_rules! pose {
-    ($name:literal, $sentence:literal, $needs:ident, $change:expr, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
+    ($name:literal, $sentence:literal, $needs:ident, $change:expr, $($named:tt)*) => {
         fault!(
+            Pose,
             $name,
             $sentence,
             PoseChange {
@@ -35,26 +36,8 @@ macro_rules! pose {
                 change: $change,
                 known: KNOWN,
             },
-            $relations,
-            $texts,
-            $seen_by,
-            $record
+            $($named)*
         )
-    };
-}
-
-macro_rules! fault {
-    ($name:literal, $sentence:literal, $change:expr, $relations:expr, $texts:expr, $seen_by:expr, $record:expr) => {
-        Fault {
-            family: Family::Pose,
-            name: $name,
-            sentence: $sentence,
-            change: &$change,
-            relations: &$relations,
-            texts: &$texts,
-            seen_by: &$seen_by,
-            record: $record,
-        }
     };
 }
 
@@ -224,7 +207,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "pose-body-on-the-left",
         "The rotation of the body is multiplied on the left of the orientation where right is meant.",
         Base,
-        |message| message.turn(|told| UnitQuaternion::from(flu_frd()) * told),
+        |message| message.turn(|stated| UnitQuaternion::from(flu_frd()) * stated),
         ["x180", "frd", "z-down", "flu-frd"],
         ["stands on the", "is upside down in", "-z points up"],
         ["QUAT04", "AXES13", "AXES08 velocity"],
@@ -234,8 +217,9 @@ pub(super) static FAULTS: &[Fault] = &[
         "pose-world-on-the-right",
         "The rotation of the world is multiplied on the right of the orientation where left is meant.",
         Base,
-        |message| message
-            .turn(|told| { told * UnitQuaternion::from(Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2)) }),
+        |message| message.turn(|stated| {
+            stated * UnitQuaternion::from(Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2))
+        }),
         ["rfu"],
         ["stands on the", "rotated by 90 deg about z relative to the position"],
         ["QUAT04", "AXES08 velocity", "AXES13"],
@@ -366,6 +350,7 @@ pub(super) static FAULTS: &[Fault] = &[
 /// Mistakes in coordinates of the Earth.
 pub(super) static ON_THE_EARTH: &[Fault] = &[
     fault!(
+        Pose,
         "pose-utm-grid",
         "The poses are in the UTM grid, from the origin on, where east and north are meant.",
         PlaceChange(PlacedPose::in_local_utm),
@@ -375,6 +360,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
         "satellite fixes beside the poses, on a drive of a kilometre with turns"
     ),
     fault!(
+        Pose,
         "pose-utm",
         "The poses are whole eastings and northings of the UTM grid.",
         PlaceChange(PlacedPose::in_utm),
@@ -384,6 +370,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
         WITH_FIXES
     ),
     fault!(
+        Pose,
         "pose-ecef",
         "The poses are in Earth-centred coordinates where a local frame is meant.",
         PlaceChange(|pose| Some(pose.in_ecef())),
@@ -393,6 +380,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
         WITH_FIXES
     ),
     fault!(
+        Pose,
         "pose-degrees",
         "The positions are latitude and longitude in degrees where metres are meant.",
         PlaceChange(|pose| Some(pose.in_degrees())),
@@ -402,6 +390,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
         WITH_FIXES
     ),
     fault!(
+        Pose,
         "pose-altitude-as-z",
         "The altitude over that of the origin is taken for z: the Earth is taken for flat in height alone.",
         PlaceChange(|pose| Some(pose.with_altitude())),
@@ -411,6 +400,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
         "satellite fixes beside the poses, kilometres away from the origin"
     ),
     fault!(
+        Pose,
         "pose-origin-far",
         "The origin of the poses' frame is 20 km away: the ground is not in its tangent plane.",
         PlaceChange(|pose| Some(pose.in_plane_south(FAR_DEG))),
@@ -424,6 +414,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
 /// Mistakes of the correction `map` -> `odom`.
 pub(super) static CORRECTIONS: &[Fault] = &[
     fault!(
+        Pose,
         "pose-correction-missing",
         "Nobody publishes the correction of the odometry, `map` -> `odom`.",
         CorrectionChange::Missing,
@@ -433,6 +424,7 @@ pub(super) static CORRECTIONS: &[Fault] = &[
         "what is expressed in `map`: poses, a map or a path"
     ),
     fault!(
+        Pose,
         "pose-correction-held",
         "The correction of the odometry, `map` -> `odom`, stays at its first value.",
         CorrectionChange::Held,
@@ -442,6 +434,7 @@ pub(super) static CORRECTIONS: &[Fault] = &[
         WITH_CORRECTION
     ),
     fault!(
+        Pose,
         "pose-correction-inverse",
         "The correction of the odometry is published the other way round: `map` in `odom`.",
         CorrectionChange::Inverse,
