@@ -20,7 +20,7 @@
 //!   - {rule: AXES03, subject: '*/imu*', if: applicable}
 //!   - {rule: GEO01, lifted: no satellite receiver} # no longer required, although an entry before it or an extended file requires it
 //!   - {share: 0.8}                   # of the checks that apply
-//!   - {detects: [imu-wxyz, stated-inverse]} # known mistakes that these data would have shown; `frames-lint assure --list` lists them
+//!   - {detects: [imu-wxyz, {fault: yaw, smaller-than: 3 deg}]} # known mistakes that these data would have shown; `frames-lint assure --list` lists them
 //! conventions:                     # see `declared`
 //!   - topic: /ins/*                # a glob; `frame:` and `file:` as well; all of those given must match
 //!     world: NED                   # ENU, NED, NWU
@@ -61,7 +61,7 @@ use std::sync::Arc;
 
 use globset::{Glob, GlobMatcher};
 
-use crate::policy::Policy;
+use crate::policy::{Policy, Requirement};
 use crate::read::allowed::AllowedFolders;
 use crate::read::discover::CONFIGURATION;
 use crate::run::FailOn;
@@ -332,9 +332,9 @@ impl Config {
         self.layers.iter().flat_map(|layer| &layer.asked.named)
     }
 
-    /// The names and families of the known mistakes that must be found, with their places; only the engine knows which exist.
-    pub fn detections(&self) -> impl Iterator<Item = &(String, String)> {
-        self.layers.iter().flat_map(|layer| &layer.asked.mistakes)
+    /// The known mistakes that must be found; only the engine knows which exist.
+    pub fn detections(&self) -> impl Iterator<Item = &Requirement> {
+        self.layers.iter().flat_map(|layer| &layer.asked.detections)
     }
 
     /// Limits that differ from those of the pages.

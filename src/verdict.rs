@@ -7,6 +7,7 @@ mod finding;
 pub mod judge;
 mod measured;
 pub mod plot;
+mod units;
 pub mod waiver;
 
 use std::borrow::Cow;
@@ -22,6 +23,7 @@ pub use finding::{Edit, Finding, Fix, Label, PlaceRole, PreferredPose, Safety, S
 pub use judge::{Judge, Judged};
 pub use measured::{Bound, Measured};
 pub use plot::Plot;
+pub use units::unit_factor;
 pub use waiver::Acceptance;
 use waiver::FAMILY;
 

@@ -3,17 +3,25 @@
 //! Every known mistake is put into every subject that can have it, in a copy of what was read, and the copy is judged with the rules of
 //! the run. Nothing altered reaches the run itself. Does not know which rules or mistakes exist, nor how rules are run.
 
+mod base;
+mod miss;
+mod parts;
+mod sizes;
+mod trial;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::faults::{Fault, Subject};
+use crate::faults::{Fault, Selection, SizedFault, Subject};
 use crate::progress::Progress;
-use crate::source::Confidence;
-use crate::verdict::{Deference, Finding, Measured, Outcome, Row, Verdict};
+use crate::verdict::Verdict;
 use crate::world::World;
+
+pub use miss::Miss;
+pub use sizes::{FoundSize, SmallestError};
+use trial::Platform;
 
 /// What became of a mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,8 +69,8 @@ pub struct Trial {
     pub rules: Vec<String>,
     /// The relation of the first of these findings.
     pub relation: Option<String>,
-    /// If it was missed: what the rules that should see it say.
-    pub reason: Option<String>,
+    /// If it was missed: why, and what would show it.
+    pub miss: Option<Miss>,
 }
 
 /// The trials of a run.
@@ -70,6 +78,8 @@ pub struct Trial {
 pub struct Assurance {
     /// One for each mistake and subject, in the order of the platforms, the mistakes and the subjects.
     pub trials: Vec<Trial>,
+    /// The smallest errors, in the order of the platforms, the mistakes and the subjects.
+    pub smallest: Vec<SmallestError>,
     /// The mistakes that were looked for, in the order of the catalogue.
     pub faults: Vec<&'static Fault>,
     /// Subjects that were not tried, because there are too many, by the names of the mistakes.
@@ -92,6 +102,7 @@ impl Assurance {
     /// Adds the trials of another platform.
     pub fn join(&mut self, other: Self) {
         self.trials.extend(other.trials);
+        self.smallest.extend(other.smallest);
         for fault in other.faults {
             if !self.faults.iter().any(|known| known.name == fault.name) {
                 self.faults.push(fault);
@@ -104,31 +115,42 @@ impl Assurance {
 }
 
 /// Tries these mistakes on a platform.
-pub fn assure(world: &World, rules: &dyn RuleRunner, faults: &[&'static Fault], progress: &Progress) -> Assurance {
+pub fn assure(world: &World, rules: &dyn RuleRunner, selection: &Selection, progress: &Progress) -> Assurance {
     let platform = Platform::new(world, rules);
     let mut omitted = BTreeMap::new();
-    let mut pairs: Vec<(&'static Fault, Subject)> = Vec::new();
-    let most = most_subjects(world, faults.len());
-    for fault in faults {
-        let subjects = fault.change.subjects(world);
+    let mut first_of = |name: &'static str, subjects: Vec<Subject>, most: usize| {
         if subjects.len() > most {
-            omitted.insert(fault.name, subjects.len() - most);
+            omitted.insert(name, subjects.len() - most);
         }
-        pairs.extend(subjects.into_iter().take(most).map(|subject| (*fault, subject)));
+        subjects.into_iter().take(most)
+    };
+    let mut pairs: Vec<(&'static Fault, Subject)> = Vec::new();
+    let most = most_subjects(world, selection.faults.len());
+    for fault in &selection.faults {
+        let subjects = first_of(fault.name, fault.change.subjects(world), most);
+        pairs.extend(subjects.map(|subject| (*fault, subject)));
     }
-    let task = progress.start(&world.label, pairs.len() as u64);
+    let mut searches: Vec<(&'static SizedFault, Subject)> = Vec::new();
+    let most = most_subjects(world, selection.sizes.len() * sizes::COPIES);
+    for fault in &selection.sizes {
+        let subjects = first_of(fault.name, fault.subjects(world), most);
+        searches.extend(subjects.map(|subject| (*fault, subject)));
+    }
+    let task = progress.start(&world.label, (pairs.len() + searches.len()) as u64);
     let done = AtomicU64::new(0);
+    let step = || task.update(done.fetch_add(1, Ordering::Relaxed) + 1);
     let tried: Vec<Option<Trial>> = pairs
         .into_par_iter()
         .map(|(fault, subject)| {
             let trial = platform.try_one(fault, &subject);
-            task.update(done.fetch_add(1, Ordering::Relaxed) + 1);
+            step();
             trial
         })
         .collect();
     Assurance {
         trials: tried.into_iter().flatten().collect(),
-        faults: faults.to_vec(),
+        smallest: sizes::smallest(&platform.base, searches, &step),
+        faults: selection.faults.clone(),
         omitted,
     }
 }
@@ -146,173 +168,3 @@ const MOST_WORK: usize = 4_000_000;
 const LEAST_FACTS: usize = 50;
 /// Subjects of each mistake that are always tried.
 const LEAST_SUBJECTS: usize = 1;
-
-/// A finding, whatever its numbers.
-type Key = (String, String, Option<String>);
-
-fn key(finding: &Finding) -> Key {
-    (finding.rule.clone(), finding.subject.clone(), finding.relation.clone())
-}
-
-/// A platform, and what is found without a mistake.
-struct Platform<'w> {
-    world: &'w World,
-    rules: &'w dyn RuleRunner,
-    healthy: Verdict,
-    healthy_keys: Vec<Key>,
-    /// What these rules alone find without a mistake.
-    healthy_of: Mutex<BTreeMap<Vec<&'static str>, Arc<Vec<Key>>>>,
-}
-
-impl<'w> Platform<'w> {
-    fn new(world: &'w World, rules: &'w dyn RuleRunner) -> Self {
-        let healthy = rules.judge(world, &|_| true);
-        Self {
-            world,
-            rules,
-            healthy_keys: healthy.findings.iter().map(key).collect(),
-            healthy,
-            healthy_of: Mutex::default(),
-        }
-    }
-
-    /// Puts a mistake into a subject; none if that changes nothing.
-    fn try_one(&self, fault: &'static Fault, subject: &Subject) -> Option<Trial> {
-        let mut world = self.world.clone();
-        if !fault.change.apply(&mut world, subject) {
-            return None;
-        }
-        world.forget();
-        let same = fault.change.same_as(self.world, subject);
-        let trial = |outcome, findings: &[&Finding], reason| {
-            let mut rules: Vec<String> = findings.iter().map(|finding| finding.rule.clone()).collect();
-            let mut seen = BTreeSet::new();
-            rules.retain(|rule| seen.insert(rule.clone()));
-            Trial {
-                fault,
-                platform: self.world.label.clone(),
-                subject: subject.name.clone(),
-                outcome,
-                rules,
-                relation: findings.first().and_then(|finding| finding.relation.clone()),
-                reason,
-            }
-        };
-        // The rules that should see it, first: judging with all of them takes longer, and may only hide a finding behind another.
-        let first = self.rules.judge(&world, &|code| fault.seers().any(|seer| seer == code));
-        let new = new_findings(&self.healthy_of(fault), &first);
-        let is_final = |finding: &&&Finding| {
-            fault.is_named_by(finding, &same) && finding.unless.iter().all(|deference| is_among(deference, fault))
-        };
-        if let Some(named) = new.iter().find(is_final) {
-            return Some(trial(TrialOutcome::Named, &[*named], None));
-        }
-        let altered = self.rules.judge(&world, &|_| true);
-        let mut new = new_findings(&self.healthy_keys, &altered);
-        new.retain(|finding| finding.confidence > Confidence::Hint);
-        new.sort_by_key(|finding| !fault.is_named_by(finding, &same));
-        if new.first().is_some_and(|finding| fault.is_named_by(finding, &same)) {
-            return Some(trial(TrialOutcome::Named, &new, None));
-        }
-        if !new.is_empty() {
-            return Some(trial(TrialOutcome::Noticed, &new, None));
-        }
-        let findings = self.healthy.findings.iter();
-        let is_it = |finding: &&Finding| {
-            let is_seer = fault.seers().any(|seer| seer == finding.rule);
-            is_seer && subject.is_in(&finding.subject) && fault.is_named_by(finding, &same)
-        };
-        let present = findings.filter(is_it);
-        let present: Vec<&Finding> = present.collect();
-        if !present.is_empty() {
-            return Some(trial(TrialOutcome::Present, &present, None));
-        }
-        Some(trial(TrialOutcome::Missed, &[], Some(reason(fault, subject, &altered))))
-    }
-
-    /// What the rules that should see a mistake find without it.
-    fn healthy_of(&self, fault: &Fault) -> Arc<Vec<Key>> {
-        let seers: Vec<&'static str> = fault.seers().collect();
-        let mut known = self.healthy_of.lock().unwrap_or_else(PoisonError::into_inner);
-        let made = known.entry(seers).or_insert_with(|| {
-            let verdict = self
-                .rules
-                .judge(self.world, &|code| fault.seers().any(|seer| seer == code));
-            Arc::new(verdict.findings.iter().map(key).collect())
-        });
-        Arc::clone(made)
-    }
-}
-
-/// Whether a finding defers only to rules that should see the mistake.
-fn is_among(deference: &Deference, fault: &Fault) -> bool {
-    match deference {
-        Deference::Rule(code) | Deference::Relation(code) | Deference::About(code, _) => {
-            fault.seers().any(|seer| seer == code.as_str())
-        }
-        Deference::CauseOf(_) => true,
-    }
-}
-
-/// Findings that are not among those without the mistake.
-fn new_findings<'v>(healthy: &[Key], altered: &'v Verdict) -> Vec<&'v Finding> {
-    let mut known: BTreeMap<&Key, usize> = BTreeMap::new();
-    for key in healthy {
-        *known.entry(key).or_default() += 1;
-    }
-    let is_new = |finding: &&Finding| match known.get_mut(&key(finding)) {
-        Some(count) if *count > 0 => {
-            *count -= 1;
-            false
-        }
-        _ => true,
-    };
-    altered.findings.iter().filter(is_new).collect()
-}
-
-/// Why a mistake was missed: what the first of the rules that should see it, and that has a row about the subject, says; else what the
-/// first of them says about the platform.
-fn reason(fault: &Fault, subject: &Subject, altered: &Verdict) -> String {
-    let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| fault.is_seen_in(row)).collect();
-    let position = |row: &Row| fault.seers().position(|seer| seer == row.rule);
-    rows.sort_by_key(|row| (position(row), row.outcome != Outcome::Pass));
-    let first = fault.seers().next().unwrap_or_default();
-    let is_judged = |row: &&&Row| row.outcome != Outcome::Crashed;
-    let of_platform = |row: &&&Row| row.rule == first && row.subject == "platform";
-    let mut candidates = rows
-        .iter()
-        .filter(|row| subject.is_in(&row.subject))
-        .chain(rows.iter().filter(of_platform))
-        .filter(is_judged);
-    match candidates.next() {
-        Some(row) if row.outcome == Outcome::Pass => {
-            let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
-            format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
-        }
-        Some(row) if row.outcome == Outcome::Fail => {
-            format!(
-                "{} fails {} without the mistake, too: correct that first",
-                row.rule, row.subject
-            )
-        }
-        Some(row) if row.subject == "platform" => {
-            let reason = row.reason.as_deref().unwrap_or_default();
-            format!(
-                "{}: {}",
-                row.rule,
-                reason.strip_prefix("not applicable: ").unwrap_or(reason)
-            )
-        }
-        Some(row) => format!(
-            "{} of {}: {}",
-            row.rule,
-            row.subject,
-            row.reason.as_deref().unwrap_or_default()
-        ),
-        None => format!("{first} judged nothing about it"),
-    }
-}
-
-fn in_words(measured: &Measured) -> String {
-    format!("{} {:.3} {}", measured.what, measured.value, measured.unit)
-}

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::engine;
-use crate::faults::{Fault, catalogue};
+use crate::faults::Selection;
 use crate::files::Outputs;
 use crate::report::{Style, assure as report, terminal};
 use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_INCOMPLETE};
@@ -56,7 +56,8 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
         color: false,
         ..surroundings.style
     };
-    let is_incomplete = assurance.trials.is_empty() || run.unread().next().is_some();
+    let is_empty = assurance.trials.is_empty() && assurance.smallest.is_empty();
+    let is_incomplete = is_empty || run.unread().next().is_some();
     Ok(Answer {
         out,
         err: terminal::render_unread(&run, plain),
@@ -81,10 +82,13 @@ fn by_extension(file: Option<&Path>) -> AssureFormat {
 }
 
 /// The mistakes with these names or of these families; all if there are none.
-fn selected(select: &[String]) -> Result<Vec<&'static Fault>, Failure> {
+fn selected(select: &[String]) -> Result<Selection, Failure> {
     if let Some(what) = select.iter().find_map(|word| engine::unknown_mistake(word)) {
         return Err(Failure::Usage(what));
     }
-    let is_selected = |fault: &&Fault| select.is_empty() || select.iter().any(|word| fault.is_called(word));
-    Ok(catalogue().filter(is_selected).collect())
+    Ok(if select.is_empty() {
+        Selection::all()
+    } else {
+        Selection::of(&select.iter().map(String::as_str).collect::<Vec<_>>())
+    })
 }

@@ -6,7 +6,7 @@ use std::io::Read;
 use std::mem::ManuallyDrop;
 
 use crate::engine;
-use crate::faults::catalogue;
+use crate::faults::Selection;
 use crate::files::Outputs;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
@@ -33,7 +33,7 @@ pub(super) fn run(
     let options = engine::Options {
         paths: paths_or_here(check.paths, &check.evidence, stdin)?,
         evidence: check.evidence,
-        assure: check.assure.then(|| catalogue().collect()),
+        assure: check.assure.then(Selection::all),
         config: check.config,
         profile: check.profile,
         baseline: check.baseline,

@@ -29,8 +29,6 @@ pub(super) struct PolicyLayer {
     pub(super) share: Option<RequiredShare>,
     /// Known mistakes that must be found.
     pub(super) detections: Vec<Requirement>,
-    /// Their names and families as written, with their places in words.
-    pub(super) mistakes: Vec<(String, String)>,
 }
 
 /// A limit that differs from that of the rule's page.
@@ -160,9 +158,15 @@ impl Reader<'_> {
                 asked.share = Some(self.share(share)?);
             } else if let Some(names) = item.get("detects") {
                 self.keys(item, &["detects", "subject", "if", "lifted"])?;
-                for (mistake, origin) in self.mistakes(names)? {
-                    asked.detections.push(self.required(item, mistake.clone())?);
-                    asked.mistakes.push((mistake, origin));
+                let items: Vec<&Node> = names
+                    .items()
+                    .map_or_else(|| vec![names], |items| items.iter().collect());
+                if items.is_empty() {
+                    let what = "expected the names of known mistakes: this requires nothing";
+                    return Err(self.error(names.span.start, what));
+                }
+                for mistake in items {
+                    asked.detections.push(self.detection(item, mistake)?);
                 }
             } else {
                 let requirement = self.requirement(item, &mut asked.named)?;
@@ -272,24 +276,30 @@ impl Reader<'_> {
                 return Err(self.error(limits.span.start, example));
             }
             for (name, value) in limits.pairs() {
-                let text = value.text().unwrap_or_default().trim();
-                let end = text
-                    .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E')))
-                    .unwrap_or(text.len());
-                let (number, unit) = text.split_at(end);
-                let number = number.parse::<f64>().ok().filter(|number| number.is_finite());
-                let number = number
-                    .ok_or_else(|| self.error(value.span.start, "expected a number with its unit: `3 deg`, `8 cm`"))?;
+                let (number, unit) = self.quantity(value)?;
                 asked.limits.push(LimitOverride {
                     rule: rule.clone(),
                     name: name.text().unwrap_or_default().to_owned(),
                     value: number,
-                    unit: unit.trim().to_owned(),
+                    unit,
                     origin: self.origin(value, true),
                 });
             }
         }
         Ok(())
+    }
+
+    /// A number and its unit: `3 deg`.
+    fn quantity(&self, node: &Node) -> Result<(f64, String), ConfigError> {
+        let text = node.text().unwrap_or_default().trim();
+        let end = text
+            .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E')))
+            .unwrap_or(text.len());
+        let (number, unit) = text.split_at(end);
+        let number = number.parse::<f64>().ok().filter(|number| number.is_finite());
+        let what = "expected a number with its unit: `3 deg`, `8 cm`";
+        let number = number.ok_or_else(|| self.error(node.span.start, what))?;
+        Ok((number, unit.trim().to_owned()))
     }
 
     fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<WaiverDraft, ConfigError> {
@@ -343,6 +353,7 @@ impl Reader<'_> {
                 rule,
                 subject: None,
                 force: Force::Always,
+                smaller_than: None,
                 origin,
             });
         }
@@ -351,21 +362,31 @@ impl Reader<'_> {
         self.required(item, rule)
     }
 
-    /// One name of a known mistake or of a family of them, or a list, each with its place.
-    fn mistakes(&self, node: &Node) -> Result<Vec<(String, String)>, ConfigError> {
-        let items: Vec<&Node> = node.items().map_or_else(|| vec![node], |items| items.iter().collect());
-        if items.is_empty() {
-            return Err(self.error(
-                node.span.start,
-                "expected the names of known mistakes: this requires nothing",
-            ));
-        }
-        let word = |item: &Node| {
-            let text = item.text().map(str::trim).filter(|text| !text.is_empty());
-            let text = text.ok_or_else(|| self.error(item.span.start, "expected the name of a known mistake"))?;
-            Ok((text.to_owned(), self.origin(item, true)))
+    /// A known mistake or a family of them, by its name, or by its name and the size from which on it must be found.
+    fn detection(&self, item: &Node, mistake: &Node) -> Result<Requirement, ConfigError> {
+        let (name, smaller_than) = if mistake.is_mapping() {
+            self.keys(mistake, &["fault", "smaller-than"])?;
+            let size = mistake
+                .get("smaller-than")
+                .map(|size| self.quantity(size))
+                .transpose()?;
+            (
+                self.required_text(mistake, "fault", "the name of a known mistake")?,
+                size,
+            )
+        } else {
+            let text = mistake.text().map(str::trim).filter(|text| !text.is_empty());
+            let what = "expected the name of a known mistake, or `{fault: time-offset, smaller-than: 50 ms}`";
+            (
+                text.ok_or_else(|| self.error(mistake.span.start, what))?.to_owned(),
+                None,
+            )
         };
-        items.into_iter().map(word).collect()
+        Ok(Requirement {
+            smaller_than,
+            origin: self.origin(mistake, true),
+            ..self.required(item, name)?
+        })
     }
 
     /// What an entry requires of a rule or of a known mistake.
@@ -389,6 +410,7 @@ impl Reader<'_> {
             rule,
             subject: self.glob(item, "subject")?,
             force,
+            smaller_than: None,
             origin: self.origin(item, false),
         })
     }

@@ -2,7 +2,7 @@
 
 use crate::assure::{Assurance, RuleRunner, assure as try_all};
 use crate::config::Config;
-use crate::faults::{Fault, catalogue};
+use crate::faults::Selection;
 use crate::progress::Progress;
 use crate::verdict::Verdict;
 use crate::world::World;
@@ -47,17 +47,14 @@ pub(super) fn assure(world: &World, governed: &Governance, options: &Options) ->
         .config
         .iter()
         .flat_map(Config::detections)
-        .map(|(word, _)| word.as_str())
+        .map(|required| required.rule.as_str())
         .collect();
-    let wanted = options.assure.as_deref().unwrap_or_default();
-    let is_tried = |fault: &&'static Fault| {
-        wanted.iter().any(|other| other.name == fault.name) || required.iter().any(|word| fault.is_called(word))
-    };
-    let faults: Vec<&'static Fault> = catalogue().filter(is_tried).collect();
+    let mut selection = options.assure.clone().unwrap_or_default();
+    selection.join(&Selection::of(&required));
     let progress = Progress::of_trials(options.progress);
     let rules = governed.choice.without_plots();
     let assurance = options.timings.of(Phase::Judge, "known mistakes", || {
-        try_all(world, &rules, &faults, &progress)
+        try_all(world, &rules, &selection, &progress)
     });
     Some(assurance)
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::config::ConfigError;
-use crate::faults::Fault;
+use crate::faults::Selection;
 use crate::files::Outputs;
 use crate::read::discover::FileSelection;
 use crate::read::xacro::ExpandOptions;
@@ -53,7 +53,7 @@ pub struct Options {
     /// How much of recordings is read.
     pub extent: Extent,
     /// Mistakes to try on everything that is judged; `None`: only those that the configuration requires to be found.
-    pub assure: Option<Vec<&'static Fault>>,
+    pub assure: Option<Selection>,
     /// The files that will be written.
     pub outputs: Outputs,
     /// Folders with message definitions, for recordings that contain none.

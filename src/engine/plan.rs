@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use crate::analysis::{KeptResults, Settings};
 use crate::config::Config;
-use crate::faults::catalogue;
+use crate::faults::Selection;
 use crate::page::{Page, names_rule};
+use crate::policy::Requirement;
 use crate::rules::{Kind, RULES};
+use crate::verdict::unit_factor;
 
 use super::enabled::EnabledRule;
 use super::{UsageError, limits};
@@ -124,20 +126,43 @@ fn unknown(all: &[EnabledRule], word: &str) -> String {
 
 /// Checks that the mistakes that a configuration names exist.
 pub(super) fn known_mistakes(config: &Config) -> Result<(), UsageError> {
-    let unknown = config
-        .detections()
-        .find_map(|(word, origin)| Some((origin, unknown_mistake(word)?)));
-    unknown.map_or(Ok(()), |(origin, what)| Err(UsageError(format!("{origin}: {what}"))))
+    for Requirement {
+        rule: word,
+        smaller_than,
+        origin,
+        ..
+    } in config.detections()
+    {
+        let wrong = unknown_mistake(word).or_else(|| not_a_size(word, smaller_than.as_ref()?));
+        if let Some(what) = wrong {
+            return Err(UsageError(format!("{origin}: {what}")));
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with the size of a known mistake.
+fn not_a_size(word: &str, (size, unit): &(f64, String)) -> Option<String> {
+    let sizes = Selection::of(&[word]).sizes;
+    if sizes.is_empty() {
+        return Some(format!("the mistake `{word}` has no size: leave out `smaller-than`"));
+    }
+    if *size <= 0.0 {
+        return Some(format!("`smaller-than` must be positive, not {size}"));
+    }
+    let other = sizes.iter().find(|fault| unit_factor(unit, fault.unit).is_none())?;
+    Some(format!(
+        "the size of the mistake `{}` has the unit {}: `smaller-than: {size} {}`",
+        other.name, other.unit, other.unit
+    ))
 }
 
 /// What is wrong with a word that is neither the name of a known mistake nor a family of them.
 pub fn unknown_mistake(word: &str) -> Option<String> {
-    if catalogue().any(|fault| fault.is_called(word)) {
+    let known = Selection::words();
+    if known.iter().any(|name| name.eq_ignore_ascii_case(word)) {
         return None;
     }
-    let known: Vec<&str> = catalogue()
-        .flat_map(|fault| [fault.name, fault.family.word()])
-        .collect();
     let meant = nearest(word, &known).map_or_else(|| ";".to_owned(), |name| format!("; did you mean `{name}`?"));
     Some(format!(
         "no known mistake is called `{word}`{meant} `frames-lint assure --list` lists all"

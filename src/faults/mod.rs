@@ -13,7 +13,7 @@ macro_rules! fault {
             change: &$change,
             relations: &$relations,
             texts: &$texts,
-            seen_by: &$seen_by,
+            seen_by: $crate::faults::Seers(&$seen_by),
             record: $record,
         }
     };
@@ -25,6 +25,7 @@ mod literals;
 pub mod motion;
 mod mountings;
 mod restate;
+mod sized;
 mod statements;
 mod subject;
 mod tree;
@@ -33,6 +34,7 @@ use crate::source::Confidence;
 use crate::verdict::{Finding, Row};
 use crate::world::World;
 
+pub use sized::{SIZED_FAULTS, SIZES, SizedFault};
 pub use subject::{Subject, SubjectPlace};
 
 /// What kind of thing a mistake is made in.
@@ -89,8 +91,8 @@ pub struct Fault {
     pub relations: &'static [&'static str],
     /// Texts of findings that name it, where they have no relation.
     pub texts: &'static [&'static str],
-    /// The rules that should see it: a code, or a code and the start of a row's subject (`AXES08 velocity`).
-    pub seen_by: &'static [&'static str],
+    /// The rules that should see it.
+    pub seen_by: Seers,
     /// What to record or to add where it is missed.
     pub record: &'static str,
 }
@@ -98,6 +100,31 @@ pub struct Fault {
 impl std::fmt::Debug for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name)
+    }
+}
+
+/// The rules that should see a mistake: each by its code, or by its code and the start of a row's subject (`AXES08 velocity`).
+#[derive(Clone, Copy, Debug)]
+pub struct Seers(pub &'static [&'static str]);
+
+impl Seers {
+    /// The codes.
+    pub fn codes(self) -> impl Iterator<Item = &'static str> {
+        let codes = self.0.iter();
+        codes.map(|seen| seen.split_once(' ').map_or(*seen, |(code, _)| code))
+    }
+
+    /// Whether a rule is one of them.
+    pub fn has(self, code: &str) -> bool {
+        self.codes().any(|seer| seer == code)
+    }
+
+    /// Whether a row is of one of them.
+    pub fn wrote(self, row: &Row) -> bool {
+        self.0.iter().any(|seen| {
+            let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
+            row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
+        })
     }
 }
 
@@ -124,22 +151,6 @@ impl Fault {
         finding.confidence > Confidence::Hint && (by_relation || by_text())
     }
 
-    /// The codes of the rules that should see it.
-    pub fn seers(&self) -> impl Iterator<Item = &'static str> + use<> {
-        let codes = self.seen_by.iter();
-        codes.map(|seen| seen.split_once(' ').map_or(*seen, |(code, _)| code))
-    }
-
-    /// Whether a row is of a rule that should see the mistake.
-    pub fn is_seen_in(&self, row: &Row) -> bool {
-        self.seen_by.iter().any(|seen| {
-            let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
-            row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
-        })
-    }
-}
-
-impl Fault {
     /// Whether a word is its name or its family.
     pub fn is_called(&self, word: &str) -> bool {
         let names = [self.name, self.family.word()];
@@ -147,7 +158,56 @@ impl Fault {
     }
 }
 
-/// Every mistake, in a fixed order.
+/// Mistakes that are to be tried.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// Those without a size, in the order of the catalogue.
+    pub faults: Vec<&'static Fault>,
+    /// Those with a size, in their order.
+    pub sizes: Vec<&'static SizedFault>,
+}
+
+impl Selection {
+    /// All.
+    pub fn all() -> Self {
+        Self {
+            faults: catalogue().collect(),
+            sizes: SIZED_FAULTS.iter().collect(),
+        }
+    }
+
+    /// Those with these names or of these families.
+    pub fn of(words: &[&str]) -> Self {
+        let Self { mut faults, mut sizes } = Self::all();
+        faults.retain(|fault| words.iter().any(|word| fault.is_called(word)));
+        sizes.retain(|fault| words.iter().any(|word| fault.is_called(word)));
+        Self { faults, sizes }
+    }
+
+    /// Every name and family, in a fixed order.
+    pub fn words() -> Vec<&'static str> {
+        let Self { faults, sizes } = Self::all();
+        let of_faults = faults.iter().flat_map(|fault| [fault.name, fault.family.word()]);
+        let of_sizes = sizes.iter().flat_map(|fault| [fault.name, SIZES]);
+        of_faults.chain(of_sizes).collect()
+    }
+
+    /// Adds what another has and this one has not.
+    pub fn join(&mut self, other: &Self) {
+        for fault in &other.faults {
+            if self.faults.iter().all(|known| known.name != fault.name) {
+                self.faults.push(fault);
+            }
+        }
+        for fault in &other.sizes {
+            if self.sizes.iter().all(|known| known.name != fault.name) {
+                self.sizes.push(fault);
+            }
+        }
+    }
+}
+
+/// Every mistake without a size, in a fixed order.
 pub fn catalogue() -> impl Iterator<Item = &'static Fault> {
     let tables = [
         statements::FAULTS,
@@ -169,12 +229,19 @@ mod tests {
     #[test]
     fn names_are_unique_and_every_mistake_is_described() {
         let names: BTreeSet<&str> = catalogue().map(|fault| fault.name).collect();
+        let sized = SIZED_FAULTS.iter().map(|fault| fault.name);
+        let all: BTreeSet<&str> = names.iter().copied().chain(sized).collect();
         assert_eq!(names.len(), catalogue().count());
+        assert_eq!(all.len(), names.len() + SIZED_FAULTS.len());
         for fault in catalogue() {
             let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
             assert!(fault.name.chars().all(is_word), "{}", fault.name);
             assert!(fault.sentence.ends_with('.'), "{}", fault.name);
-            assert!(!fault.record.is_empty() && !fault.seen_by.is_empty(), "{}", fault.name);
+            assert!(
+                !fault.record.is_empty() && !fault.seen_by.0.is_empty(),
+                "{}",
+                fault.name
+            );
             assert!(!fault.relations.is_empty() || !fault.texts.is_empty(), "{}", fault.name);
         }
     }

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::math::relation::Relation;
 use crate::world::bag::TopicEvidence;
@@ -17,11 +17,33 @@ use super::{Change, Fault, Subject, SubjectPlace, restate};
 
 /// What makes the wrong mounting of the right one.
 #[derive(Clone, Copy)]
-enum Mounting {
+pub(super) enum Mounting {
     /// A relation.
     Related(Relation),
     /// The base is the ground under the sensor.
     HeightLost,
+    /// Turned where it is about an axis of the base, degrees.
+    Turned(Axis, f64),
+    /// Moved along an axis of the base, metres.
+    Moved(Axis, f64),
+}
+
+/// An axis of the base.
+#[derive(Clone, Copy)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    fn direction(self) -> Unit<Vector3<f64>> {
+        match self {
+            Self::X => Vector3::x_axis(),
+            Self::Y => Vector3::y_axis(),
+            Self::Z => Vector3::z_axis(),
+        }
+    }
 }
 
 impl Mounting {
@@ -33,6 +55,11 @@ impl Mounting {
                 held.translation.z = 0.0;
                 Some(held)
             }
+            Self::Turned(axis, deg) => {
+                let turn = UnitQuaternion::from_axis_angle(&axis.direction(), deg.to_radians());
+                Some(Isometry3::from_parts(truth.translation, turn * truth.rotation))
+            }
+            Self::Moved(axis, metres) => Some(Translation3::from(axis.direction().into_inner() * metres) * truth),
         }
     }
 
@@ -412,22 +439,35 @@ pub(super) static FAULTS: &[Fault] = &[
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
-
     use super::*;
 
     #[test]
     fn a_height_is_lost_and_nothing_else() {
         let truth = Isometry3::from_parts(
-            nalgebra::Translation3::new(1.0, 2.0, 3.0),
+            Translation3::new(1.0, 2.0, 3.0),
             UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3),
         );
         let held = Mounting::HeightLost.held(&truth).unwrap_or_default();
         assert!(restate::is_same(
             &held,
-            &Isometry3::from_parts(nalgebra::Translation3::new(1.0, 2.0, 0.0), truth.rotation)
+            &Isometry3::from_parts(Translation3::new(1.0, 2.0, 0.0), truth.rotation)
         ));
         assert!(!Mounting::HeightLost.is_turn(&truth));
         assert!(Mounting::Related(Relation::Z90).is_turn(&truth));
+    }
+
+    #[test]
+    fn a_sensor_is_turned_where_it_is_and_moved_along_the_axes_of_its_base() {
+        let truth = Isometry3::from_parts(
+            Translation3::new(1.0, 2.0, 3.0),
+            UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5),
+        );
+        let turned = Mounting::Turned(Axis::Z, 90.0).held(&truth).unwrap_or_default();
+        let yaw = 0.5 + std::f64::consts::FRAC_PI_2;
+        let expected = Isometry3::from_parts(truth.translation, UnitQuaternion::from_euler_angles(0.0, 0.0, yaw));
+        assert!(restate::is_same(&turned, &expected));
+        let moved = Mounting::Moved(Axis::Y, -0.25).held(&truth).unwrap_or_default();
+        let expected = Isometry3::from_parts(Translation3::new(1.0, 1.75, 3.0), truth.rotation);
+        assert!(restate::is_same(&moved, &expected));
     }
 }

@@ -239,7 +239,7 @@ pub(super) static FAULTS: &[Fault] = &[
             "changes its parent",
             "REP-105 requires",
         ],
-        seen_by: &["TREE06", "TREE02", "CROSS02", "CROSS06"],
+        seen_by: crate::faults::Seers(&["TREE06", "TREE02", "CROSS02", "CROSS06"]),
         record: TREE,
     },
     tree!(

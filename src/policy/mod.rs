@@ -90,6 +90,8 @@ pub struct Requirement {
     pub subject: Option<GlobMatcher>,
     /// Its force.
     pub force: Force,
+    /// The size from which on a mistake must be found, with its unit.
+    pub smaller_than: Option<(f64, String)>,
     /// Where that is written, in words.
     pub origin: String,
 }

@@ -5,12 +5,13 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::assure::{Assurance, TrialOutcome};
-use crate::faults::{Fault, catalogue};
+use crate::faults::{SIZES, Selection};
 use crate::visible::pretty_json;
 
 use super::assured::{AssuranceRows, Group, SECTIONS, section, totals};
 use super::json::Producer;
 use super::markdown::{code, escaped};
+use super::smallest::{self, OfSubject};
 use super::style::{Ink, Style};
 use super::text::{list, plural, wrap};
 
@@ -29,7 +30,9 @@ pub fn text(assurance: &Assurance, all: bool, style: Style) -> String {
             section(assurance, outcome, (title, most), style, &mut out);
         }
     }
-    let ink = if assurance.count(TrialOutcome::Missed) > 0 || assurance.trials.is_empty() {
+    smallest::section(&assurance.smallest, style, &mut out);
+    let is_blind = assurance.smallest.iter().any(|error| error.found.is_err());
+    let ink = if assurance.count(TrialOutcome::Missed) > 0 || assurance.trials.is_empty() || is_blind {
         Ink::Warning
     } else {
         Ink::Good
@@ -82,12 +85,39 @@ pub fn markdown(assurance: &Assurance) -> String {
                 escaped(&group.subjects(usize::MAX)),
                 faults.join(", ")
             );
-            let _ = match &group.first.reason {
-                Some(reason) => writeln!(out, " {} | {} |", escaped(reason), escaped(group.first.fault.record)),
+            let _ = match &group.first.miss {
+                Some(miss) => writeln!(out, " {} | {} |", escaped(&miss.reason), escaped(&miss.record)),
                 None => writeln!(out, " {} |", escaped(&list(&group.first.rules))),
             };
         }
         out.push_str(close);
+    }
+    if !assurance.smallest.is_empty() {
+        let _ = write!(out, "\n### {}\n\n", smallest::TITLE);
+        out.push_str("| subject | error | smallest size | 5 % to 95 % | at 50 m | rule, or why at no size |\n|---|---|---|---|---|---|\n");
+    }
+    for of_subject in OfSubject::of(&assurance.smallest) {
+        let subject = escaped(&of_subject.subject);
+        for (error, found) in &of_subject.found {
+            let _ = writeln!(
+                out,
+                "| {subject} | {} | {} | {} | {} | {} |",
+                error.fault.name,
+                smallest::size(error, found),
+                smallest::range(found),
+                smallest::at_50_m(found),
+                found.rule
+            );
+        }
+        for unseen in &of_subject.unseen {
+            let _ = writeln!(
+                out,
+                "| {subject} | {} | none | | | {}; record or add: {} |",
+                list(&unseen.names),
+                escaped(&unseen.miss.reason),
+                escaped(&unseen.miss.record)
+            );
+        }
     }
     out
 }
@@ -98,10 +128,10 @@ pub fn html(assurance: &Assurance) -> String {
 }
 
 /// The catalogue of mistakes, for people: a line each, by family.
-pub fn list_text(faults: &[&Fault], style: Style) -> String {
+pub fn list_text(selection: &Selection, style: Style) -> String {
     let mut out = String::new();
     let mut family = None;
-    for fault in faults {
+    for fault in &selection.faults {
         if family != Some(fault.family) {
             let gap = if family.is_some() { "\n" } else { "" };
             let _ = writeln!(out, "{gap}{}", style.paint(Ink::Strong, fault.family.word()));
@@ -110,6 +140,16 @@ pub fn list_text(faults: &[&Fault], style: Style) -> String {
         let line = format!("{}: {}", fault.name, fault.sentence);
         let _ = writeln!(out, "{}", wrap(&line, style.width, "  ", "    "));
     }
-    let _ = writeln!(out, "\n{} of {}.", plural(faults.len(), "mistake"), catalogue().count());
+    if !selection.sizes.is_empty() {
+        let gap = if family.is_some() { "\n" } else { "" };
+        let _ = writeln!(out, "{gap}{}", style.paint(Ink::Strong, SIZES));
+    }
+    for fault in &selection.sizes {
+        let line = format!("{} ({}): {}", fault.name, fault.unit, fault.sentence);
+        let _ = writeln!(out, "{}", wrap(&line, style.width, "  ", "    "));
+    }
+    let all = Selection::all();
+    let of = |selection: &Selection| selection.faults.len() + selection.sizes.len();
+    let _ = writeln!(out, "\n{} of {}.", plural(of(selection), "mistake"), of(&all));
     out
 }

@@ -5,8 +5,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::assure::{Assurance, Trial, TrialOutcome};
+use crate::assure::{Assurance, Miss, Trial, TrialOutcome};
 
+use super::smallest::SmallestRow;
 use super::style::{Ink, Style};
 use super::text::{list, one_line, plural, wrap};
 
@@ -78,8 +79,8 @@ fn shortened<'t>(items: impl ExactSizeIterator<Item = &'t str>, separator: &str,
 }
 
 /// What trials of one group have in common.
-fn why(trial: &Trial) -> (Option<&str>, &[String], &str) {
-    (trial.reason.as_deref(), &trial.rules, trial.fault.record)
+fn why(trial: &Trial) -> (Option<&Miss>, &[String]) {
+    (trial.miss.as_ref(), &trial.rules)
 }
 
 /// A subject, with its platform if there are several.
@@ -129,9 +130,9 @@ pub(super) fn section(
             let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
         };
         line(&group.faults(named));
-        if let Some(reason) = &group.first.reason {
-            line(&format!("why: {reason}"));
-            line(&format!("record or add: {}", group.first.fault.record));
+        if let Some(miss) = &group.first.miss {
+            line(&format!("why: {}", miss.reason));
+            line(&format!("record or add: {}", miss.record));
         } else {
             line(&format!("by {}", list(&group.first.rules)));
         }
@@ -143,33 +144,47 @@ pub(super) fn section(
     out.push('\n');
 }
 
-/// The totals in one sentence.
+/// The totals in a sentence or three.
 pub(super) fn totals(assurance: &Assurance) -> String {
-    let inapplicable = assurance.inapplicable().len();
-    if assurance.trials.is_empty() {
-        return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
-    }
-    let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+    let mut sentences = Vec::new();
     let omitted = match assurance.omitted.values().sum() {
         0_usize => String::new(),
         count => format!(" and were tried ({count} more were not: check fewer files in one run)"),
     };
-    let present = if present > 0 {
-        format!(", {present} already present")
-    } else {
-        String::new()
-    };
-    format!(
-        "Of {} that apply{omitted}: {named} named, {noticed} noticed, {missed} missed{present}. {} of the catalogue apply to nothing here.",
-        plural(assurance.trials.len(), "mistake"),
-        inapplicable
-    )
+    if !assurance.trials.is_empty() {
+        let [missed, noticed, present, named] = SECTIONS.map(|(outcome, _)| assurance.count(outcome));
+        let present = if present > 0 {
+            format!(", {present} already present")
+        } else {
+            String::new()
+        };
+        sentences.push(format!(
+            "Of {} that apply{omitted}: {named} named, {noticed} noticed, {missed} missed{present}.",
+            plural(assurance.trials.len(), "mistake")
+        ));
+    }
+    if !assurance.smallest.is_empty() {
+        let found = assurance.smallest.iter().filter(|error| error.found.is_ok()).count();
+        sentences.push(format!(
+            "Of {} with a size, {found} would have been found from some size on.",
+            plural(assurance.smallest.len(), "mistake")
+        ));
+    }
+    if sentences.is_empty() {
+        return "No known mistake applies to these data: nothing was tried. This is no assurance.".to_owned();
+    }
+    match assurance.inapplicable().len() {
+        0 => {}
+        count => sentences.push(format!("{count} of the catalogue apply to nothing here.")),
+    }
+    sentences.join(" ")
 }
 
 /// What became of known mistakes.
 #[derive(Serialize)]
 pub(super) struct AssuranceRows<'a> {
     faults: Vec<TrialRow<'a>>,
+    smallest: Vec<SmallestRow<'a>>,
     inapplicable: Vec<&'a str>,
     summary: Counts,
 }
@@ -180,6 +195,7 @@ impl<'a> AssuranceRows<'a> {
         let inapplicable: Vec<&str> = assurance.inapplicable().iter().map(|fault| fault.name).collect();
         Self {
             faults: assurance.trials.iter().map(TrialRow::of).collect(),
+            smallest: assurance.smallest.iter().map(SmallestRow::of).collect(),
             summary: Counts {
                 tried: assurance.trials.len(),
                 named,
@@ -219,8 +235,8 @@ impl<'a> TrialRow<'a> {
             outcome: trial.outcome.word(),
             rules: &trial.rules,
             relation: trial.relation.as_deref(),
-            reason: trial.reason.as_deref(),
-            record: (trial.outcome == TrialOutcome::Missed).then_some(trial.fault.record),
+            reason: trial.miss.as_ref().map(|miss| miss.reason.as_str()),
+            record: trial.miss.as_ref().map(|miss| miss.record.as_str()),
         }
     }
 }

@@ -57,7 +57,7 @@ const MAX_DESCRIBED: usize = 12;
 
 /// The known mistakes that a rule should show, in lines; `frames-lint assure` tries them on given data.
 pub fn mistakes(code: &str) -> Vec<String> {
-    let of_rule = |fault: &&Fault| fault.seers().any(|seer| seer == code);
+    let of_rule = |fault: &&Fault| fault.seen_by.has(code);
     let faults: Vec<&Fault> = catalogue().filter(of_rule).collect();
     if faults.len() > MAX_DESCRIBED {
         let names: Vec<String> = faults.iter().map(|fault| format!("`{}`", fault.name)).collect();

@@ -20,6 +20,7 @@ pub mod rules_table;
 #[cfg(test)]
 mod samples;
 mod sarif;
+mod smallest;
 mod style;
 pub mod terminal;
 mod text;

@@ -473,7 +473,7 @@ fn what_a_platform_shows_is_named() {
         let fault = fault(case.fault);
         let (world, subject) = with(&healthy, case);
         let same = fault.change.same_as(&healthy, &subject);
-        let codes: Vec<&str> = fault.seers().collect();
+        let codes: Vec<&str> = fault.seen_by.codes().collect();
         let verdict = Rules::select(&codes).unwrap().judge(&world);
         let is_new = |finding: &&Finding| {
             let key = |finding: &Finding| (finding.rule.clone(), finding.subject.clone(), finding.relation.clone());

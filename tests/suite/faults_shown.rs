@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use frames_lint::assure::{TrialOutcome, assure};
 use frames_lint::engine::Rules;
-use frames_lint::faults::catalogue;
+use frames_lint::faults::{Selection, catalogue};
 use frames_lint::progress::Progress;
 use frames_lint::rules::RULES;
 
@@ -40,7 +40,7 @@ const UNSHOWN: &[(&str, &str)] = &[
 #[test]
 fn the_rules_that_should_see_a_mistake_exist() {
     for fault in catalogue() {
-        for seer in fault.seers() {
+        for seer in fault.seen_by.codes() {
             assert!(
                 RULES.iter().any(|rule| rule.code.as_str() == seer),
                 "{}: {seer}",
@@ -53,7 +53,10 @@ fn the_rules_that_should_see_a_mistake_exist() {
 #[test]
 fn every_mistake_is_shown_by_some_rule() {
     let rules = Rules::select(&[]).unwrap();
-    let faults: Vec<_> = catalogue().collect();
+    let selection = Selection {
+        faults: catalogue().collect(),
+        sizes: Vec::new(),
+    };
     let worlds = [
         collected(DRIVE, None),
         collected(&DRIVE.replace("vehicle: car", "vehicle: drone"), None),
@@ -61,8 +64,8 @@ fn every_mistake_is_shown_by_some_rule() {
     ];
     let mut best: BTreeMap<&str, (TrialOutcome, String)> = BTreeMap::new();
     for world in &worlds {
-        for trial in assure(world, &rules, &faults, &Progress::new(false)).trials {
-            let why = trial.reason.unwrap_or_else(|| trial.rules.join(", "));
+        for trial in assure(world, &rules, &selection, &Progress::new(false)).trials {
+            let why = trial.miss.map_or_else(|| trial.rules.join(", "), |miss| miss.reason);
             let one = (trial.outcome, why);
             let known = best.entry(trial.fault.name).or_insert_with(|| one.clone());
             *known = one.max(known.clone());

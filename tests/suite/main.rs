@@ -69,6 +69,7 @@ mod rosbag2_folder;
 mod rosbag2_sampling;
 mod schema;
 mod site;
+mod smallest;
 mod tf2_reference;
 mod tree_moment;
 mod urdf_faults;

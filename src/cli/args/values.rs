@@ -9,7 +9,7 @@ use clap::{Arg, Command, CommandFactory, ValueEnum};
 use clap_complete::CompletionCandidate;
 use clap_complete::engine::{PathCompleter, ValueCompleter, complete_possible_values};
 
-use crate::faults::catalogue;
+use crate::faults::{SIZES, Selection, catalogue};
 use crate::report::Format;
 use crate::rules::RULES;
 use crate::run::FailOn;
@@ -40,8 +40,11 @@ pub(super) fn selectors() -> Vec<CompletionCandidate> {
 
 /// The known mistakes and their families, for completion.
 pub(super) fn mistakes() -> Vec<CompletionCandidate> {
-    let families: BTreeSet<&str> = catalogue().map(|fault| fault.family.word()).collect();
-    let names = catalogue().map(|fault| CompletionCandidate::new(fault.name).help(Some(fault.sentence.into())));
+    let families: BTreeSet<&str> = catalogue().map(|fault| fault.family.word()).chain([SIZES]).collect();
+    let Selection { faults, sizes } = Selection::all();
+    let faults = faults.iter().map(|fault| (fault.name, fault.sentence));
+    let described = faults.chain(sizes.iter().map(|fault| (fault.name, fault.sentence)));
+    let names = described.map(|(name, sentence)| CompletionCandidate::new(name).help(Some(sentence.into())));
     families
         .into_iter()
         .map(CompletionCandidate::new)

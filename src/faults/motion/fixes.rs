@@ -12,7 +12,7 @@ use super::streams::Stream;
 
 /// What a satellite receiver states (`sensor_msgs/NavSatFix`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FixMessage {
+pub(in crate::faults) struct FixMessage {
     /// Degrees.
     pub(super) latitude: f64,
     /// Degrees.
@@ -22,11 +22,13 @@ pub(super) struct FixMessage {
 }
 
 /// A mistake in fixes.
-pub(super) enum FixChange {
+pub(in crate::faults) enum FixChange {
     /// In each message.
     Message(fn(&mut FixMessage)),
     /// Altitudes above mean sea level, where the message is defined to have them above the ellipsoid.
     SeaLevel,
+    /// Altitudes are higher, metres.
+    Raised(f64),
 }
 
 impl Change for FixChange {
@@ -44,6 +46,9 @@ impl Change for FixChange {
             Self::Message(change) => stream.change_contents(world, |content| {
                 is_changed |= change_fixes(content, change);
             }),
+            Self::Raised(metres) => stream.change_contents(world, |content| {
+                is_changed |= change_fixes(content, |fix| fix.altitude += metres);
+            }),
             // The undulation is the same all over a recording's site, to a few centimetres.
             Self::SeaLevel => stream.change_contents(world, |content| {
                 if let Some(undulation_m) = first_place(content).and_then(|place| undulation_m(&place)) {
@@ -57,7 +62,7 @@ impl Change for FixChange {
 
 impl FixChange {
     fn can_be_of(&self, stream: &Stream) -> bool {
-        matches!(self, Self::Message(_)) || stream.is_standard_fix
+        !matches!(self, Self::SeaLevel) || stream.is_standard_fix
     }
 }
 

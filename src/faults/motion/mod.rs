@@ -7,6 +7,7 @@ mod covariances;
 mod fixes;
 mod imu;
 mod origins;
+mod pace;
 mod places;
 mod poses;
 mod stamps;
@@ -16,9 +17,14 @@ mod turns;
 
 pub use covariances::change_covariances;
 pub use imu::{GRAVITY, ImuMessage, change_imu};
+pub use pace::pace;
 pub use poses::{PoseMessage, change_poses};
 pub use streams::{MovingFrame, Stream, StreamPlace};
 pub use turns::Oriented;
+
+pub(super) use fixes::FixChange;
+pub(super) use poses::ScaleChange;
+pub(super) use stamps::StampChange;
 
 use super::Fault;
 

@@ -175,9 +175,7 @@ pub(super) struct PoseChange {
 
 impl Change for PoseChange {
     fn subjects(&self, world: &World) -> Vec<Subject> {
-        let streams =
-            Stream::all(world).filter(|stream| stream.family == Family::Pose && stream.moving != MovingFrame::World);
-        streams.map(Subject::from).collect()
+        moving_bodies(world)
     }
 
     fn apply(&self, world: &mut World, subject: &Subject) -> bool {
@@ -207,6 +205,41 @@ impl Change for PoseChange {
         let same = self.known.iter().filter(|(_, other)| is_same(*other));
         same.map(|(relation, _)| *relation).collect()
     }
+}
+
+/// Ways, from the first pose on, and velocities are longer by so many percent; shorter if that is negative.
+pub(in crate::faults) struct ScaleChange {
+    /// Of the length.
+    pub(in crate::faults) percent: f64,
+}
+
+impl Change for ScaleChange {
+    fn subjects(&self, world: &World) -> Vec<Subject> {
+        moving_bodies(world)
+    }
+
+    fn apply(&self, world: &mut World, subject: &Subject) -> bool {
+        let Some(stream) = Stream::of(subject) else {
+            return false;
+        };
+        let longer = 1.0 + self.percent.abs() / 100.0;
+        let factor = if self.percent < 0.0 { 1.0 / longer } else { longer };
+        let first = stream.pose_sections(world).flatten().next();
+        let Some(first) = first.map(|row| Vector3::from(row.position)) else {
+            return false;
+        };
+        change_poses(world, stream, |message, _| {
+            message.position = (first + (Vector3::from(message.position) - first) * factor).into();
+            message.linear = message.linear.map(|value| value * factor);
+        })
+    }
+}
+
+/// The streams with poses of what moves, not of corrections between frames of the world.
+fn moving_bodies(world: &World) -> Vec<Subject> {
+    let streams =
+        Stream::all(world).filter(|stream| stream.family == Family::Pose && stream.moving != MovingFrame::World);
+    streams.map(Subject::from).collect()
 }
 
 impl PoseNeed {

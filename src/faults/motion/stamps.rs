@@ -14,7 +14,7 @@ const GPS_EPOCH_S: f64 = 315_964_800.0;
 const NS_PER_S: f64 = 1e9;
 
 /// A mistake in the stamps of a topic.
-pub(super) enum StampChange {
+pub(in crate::faults) enum StampChange {
     /// GPS time in place of UTC.
     GpsTime,
     /// TAI in place of UTC.

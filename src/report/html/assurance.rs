@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
 
-use crate::assure::{Assurance, Trial, TrialOutcome};
+use crate::assure::{Assurance, SmallestError, Trial, TrialOutcome};
 use crate::faults::Family;
 
 use super::super::assured::{Group, totals};
+use super::super::smallest::{self, OfSubject};
 use super::super::text::plural;
 use super::words::{badge, plain, words};
 
@@ -28,6 +29,7 @@ pub(super) fn render(assurance: &Assurance) -> Markup {
             "Each known mistake was put into a copy of these data, and the copy was checked. What is missed there would not have been found here."
         }
         (blind_spots(&Group::of(assurance, TrialOutcome::Missed)))
+        (smallest_errors(&assurance.smallest))
         @for family in families { (matrix(assurance, family)) }
     }
 }
@@ -44,11 +46,41 @@ fn blind_spots(missed: &[Group]) -> Markup {
                         ul class="bare" { @for subject in &group.subjects { li { (words(subject)) } } }
                         p class="small" { (plain(&group.faults.join(", "))) }
                     }
-                    td data-name="Why it would be missed" { (words(group.first.reason.as_deref().unwrap_or_default())) }
-                    td data-name="What to record or add" { (words(group.first.fault.record)) }
+                    td data-name="Why it would be missed" { @if let Some(miss) = &group.first.miss { (words(&miss.reason)) } }
+                    td data-name="What to record or add" { @if let Some(miss) = &group.first.miss { (words(&miss.record)) } }
                 } } }
             }
             @if missed.len() > MAX_GROUPS { p { "… and " (plural(missed.len() - MAX_GROUPS, "more blind spot")) } }
+        }
+    }
+}
+
+fn smallest_errors(errors: &[SmallestError]) -> Markup {
+    html! {
+        @if !errors.is_empty() {
+            h3 { (smallest::TITLE) }
+            table class="cards" {
+                thead { tr {
+                    th scope="col" { "Subject" } th scope="col" { "Error" } th scope="col" { "Smallest size" } th scope="col" { "5 % to 95 %" }
+                    th scope="col" { "At 50 m" } th scope="col" { "By, or why at no size" }
+                } }
+                tbody { @for of_subject in OfSubject::of(errors) {
+                    @for (error, found) in &of_subject.found { tr {
+                        th scope="row" { (words(&of_subject.subject)) }
+                        td data-name="Error" { (error.fault.name) }
+                        td data-name="Smallest size" { (smallest::size(error, found)) }
+                        td data-name="5 % to 95 %" { (smallest::range(found)) }
+                        td data-name="At 50 m" { (smallest::at_50_m(found)) }
+                        td data-name="By" { (found.rule) }
+                    } }
+                    @for unseen in &of_subject.unseen { tr {
+                        th scope="row" { (words(&of_subject.subject)) }
+                        td data-name="Error" { (unseen.names.join(", ")) }
+                        td data-name="Smallest size" { "none" } td {} td {}
+                        td data-name="Why at no size" { (words(&unseen.miss.reason)) "; record or add: " (words(&unseen.miss.record)) }
+                    } }
+                } }
+            }
         }
     }
 }

@@ -20,10 +20,10 @@ use crate::run::{FailOn, Run};
 use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
-use super::assured as trials;
 use super::place::Locator;
 use super::style::Ink;
 use super::text::{one_line, plural, wrap};
+use super::{assured as trials, smallest};
 use snippet::Painter;
 
 pub(super) use finding::{NumberText, measured_words, message_words};
@@ -107,6 +107,7 @@ fn assured(run: &Run, options: &Options, out: &mut String) {
     let title = "Known mistakes that these data would not have shown";
     let most = if options.all { usize::MAX } else { MAX_MISSED };
     trials::section(assurance, TrialOutcome::Missed, (title, most), options.style, out);
+    smallest::section(&assurance.smallest, options.style, out);
     for line in wrap(&trials::totals(assurance), options.style.width, "", "  ").lines() {
         let _ = writeln!(out, "{line}");
     }

@@ -1,0 +1,90 @@
+//! Why a mistake is missed, and what would show it.
+
+use crate::faults::{Seers, Subject};
+use crate::verdict::{Bound, Measured, Outcome, Row, Verdict};
+
+/// Why a mistake is missed, and what would show it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Miss {
+    /// What a rule that should see it says.
+    pub reason: String,
+    /// What to record or to add.
+    pub record: String,
+}
+
+impl Miss {
+    /// By the rows of a verdict on data with the mistake; `record` is what shows it in general.
+    pub(super) fn of(seen_by: Seers, subject: &Subject, altered: &Verdict, record: &str) -> Self {
+        let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| seen_by.wrote(row)).collect();
+        let position = |row: &Row| seen_by.codes().position(|seer| seer == row.rule);
+        // A row may also be about something else with the same frame.
+        let is_beside = |row: &Row| {
+            subject
+                .words
+                .first()
+                .is_some_and(|word| !row.subject.contains(word.as_str()))
+        };
+        rows.sort_by_key(|row| (is_beside(row), position(row), row.outcome != Outcome::Pass));
+        let about: Vec<&Row> = rows.iter().copied().filter(|row| subject.is_in(&row.subject)).collect();
+        let first = seen_by.codes().next().unwrap_or_default();
+        let of_platform = rows
+            .iter()
+            .copied()
+            .filter(|row| row.rule == first && row.subject == "platform");
+        let mut told = about.iter().copied().chain(of_platform);
+        let Some(row) = told.find(|row| row.outcome != Outcome::Crashed) else {
+            return Self {
+                reason: format!("{first} judged nothing about it"),
+                record: record.to_owned(),
+            };
+        };
+        let lacks = about
+            .iter()
+            .find(|row| row.outcome == Outcome::NotEvaluated && row.applies());
+        Self {
+            reason: reason(row),
+            record: match (row.outcome, lacks) {
+                (Outcome::Pass, Some(other)) => {
+                    let lack = other.reason.as_deref().unwrap_or_default();
+                    format!(
+                        "{} has what it needs; {} may show it, and says: {lack}",
+                        row.rule, other.rule
+                    )
+                }
+                (Outcome::Pass, None) => {
+                    format!("{} has what it needs; another rule may show it with {record}", row.rule)
+                }
+                _ => record.to_owned(),
+            },
+        }
+    }
+}
+
+fn reason(row: &Row) -> String {
+    let why = row.reason.as_deref().unwrap_or_default();
+    match row.outcome {
+        Outcome::Pass => {
+            let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
+            format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
+        }
+        Outcome::Fail => format!(
+            "{} fails {} without the mistake, too: correct that first",
+            row.rule, row.subject
+        ),
+        _ if row.subject == "platform" => {
+            format!("{}: {}", row.rule, why.strip_prefix("not applicable: ").unwrap_or(why))
+        }
+        _ => format!("{} of {}: {why}", row.rule, row.subject),
+    }
+}
+
+fn in_words(measured: &Measured) -> String {
+    let amount = |value: f64| match measured.unit.as_str() {
+        "1" => format!("{value:.3}"),
+        "count" => format!("{value:.0}"),
+        unit => format!("{value:.3} {unit}"),
+    };
+    let limit = measured.limit.filter(|_| measured.bound == Bound::Within);
+    let limit = limit.map_or_else(String::new, |limit| format!(" (limit {})", amount(limit)));
+    format!("{} {}{limit}", measured.what, amount(measured.value))
+}

@@ -1,0 +1,263 @@
+//! The smallest error that would have been found: by search on copies of the drive, and of the drive without each of its parts.
+
+use rayon::prelude::*;
+
+use crate::faults::motion::pace;
+use crate::faults::{SizedFault, Subject};
+use crate::verdict::{Bound, Measured, Verdict};
+use crate::world::World;
+
+use super::base::Base;
+use super::miss::Miss;
+use super::parts::{deviation, without_parts};
+
+/// Copies that one search judges, about.
+pub(super) const COPIES: usize = 60;
+/// A search begins with steps of this factor.
+const STEP: f64 = 2.0;
+/// A search ends where the smallest size that is found is known to within this factor.
+const RESOLUTION: f64 = 1.02;
+/// Without a part a size counts as the same within this factor.
+const SAME: f64 = 1.03;
+/// The quantile of a normal distribution at the power of 80 %.
+const Z_80: f64 = 0.8416;
+/// The quantile at 95 %.
+const Z_95: f64 = 1.6449;
+
+/// The smallest error of one kind in one subject that would have been found.
+#[derive(Clone, Debug)]
+pub struct SmallestError {
+    /// The mistake.
+    pub fault: &'static SizedFault,
+    /// The name of the platform.
+    pub platform: String,
+    /// The name of the subject.
+    pub subject: String,
+    /// Its size. `Err`: why no size would have been found.
+    pub found: Result<FoundSize, Miss>,
+}
+
+/// A size at which a mistake is found, with either sign. Sizes are in the unit of the mistake.
+#[derive(Clone, Debug)]
+pub struct FoundSize {
+    /// The rule with the finding.
+    pub rule: String,
+    /// Found with a probability of 80 %.
+    pub size: f64,
+    /// Found with a probability of 5 %, and of 95 %; `None` where the rule does not judge without some part of the drive.
+    pub range: Option<[f64; 2]>,
+    /// By the limit of the rule and what it measured, where it compares a value of this unit: limit, value, and 0.84 of its spread.
+    pub by_limit: Option<f64>,
+    /// What it means for a point at 50 m, metres.
+    pub at_50_m: Option<f64>,
+}
+
+/// Searches the smallest errors; `step` is called after each.
+pub(super) fn smallest(
+    base: &Base,
+    searches: Vec<(&'static SizedFault, Subject)>,
+    step: &(dyn Fn() + Sync),
+) -> Vec<SmallestError> {
+    if searches.is_empty() {
+        return Vec::new();
+    }
+    let worlds = without_parts(base.world);
+    let parts: Vec<Base> = worlds.iter().map(|world| Base::new(world, base.rules)).collect();
+    let pace = pace(base.world);
+    let found: Vec<_> = searches
+        .into_par_iter()
+        .map(|(fault, subject)| {
+            let search = Search {
+                base,
+                parts: &parts,
+                fault,
+                subject: &subject,
+            };
+            let found = search.run().map(|found| FoundSize {
+                at_50_m: fault.at_50_m(found.size, pace),
+                ..found
+            });
+            step();
+            (fault, subject, found)
+        })
+        .collect();
+    let mut all = Vec::new();
+    let mut of_two: Vec<(&'static SizedFault, Subject, Result<FoundSize, Miss>)> = Vec::new();
+    let error = |fault, subject, found| SmallestError {
+        fault,
+        platform: base.world.label.clone(),
+        subject,
+        found,
+    };
+    for (fault, subject, found) in found {
+        if !fault.is_between_two {
+            all.push(error(fault, subject.name, found));
+            continue;
+        }
+        let is_beside = |(other, first, _): &&(&'static SizedFault, Subject, _)| {
+            other.name == fault.name && first.recording() == subject.recording()
+        };
+        for (_, first, other) in of_two.iter().filter(is_beside) {
+            let name = format!("{} and {}", first.name, subject.name);
+            all.push(error(fault, name, larger(other, &found)));
+        }
+        of_two.push((fault, subject, found));
+    }
+    all
+}
+
+/// An error between two subjects is found if it is found in either, whichever of the two has it.
+fn larger(one: &Result<FoundSize, Miss>, other: &Result<FoundSize, Miss>) -> Result<FoundSize, Miss> {
+    match (one, other) {
+        (Ok(a), Ok(b)) => Ok(if a.size >= b.size { a.clone() } else { b.clone() }),
+        (Err(miss), _) | (_, Err(miss)) => Err(miss.clone()),
+    }
+}
+
+/// The smallest size that is found, between one that is not and one that is.
+fn narrowed([mut below, mut size]: [f64; 2], mut is_found: impl FnMut(f64) -> bool) -> f64 {
+    while size > below * RESOLUTION {
+        let middle = (size * below).sqrt();
+        if is_found(middle) {
+            size = middle;
+        } else {
+            below = middle;
+        }
+    }
+    size
+}
+
+struct Search<'s> {
+    base: &'s Base<'s>,
+    parts: &'s [Base<'s>],
+    fault: &'static SizedFault,
+    subject: &'s Subject,
+}
+
+/// The rule and the subject of a finding.
+type By = (String, String);
+
+impl Search<'_> {
+    fn run(&self) -> Result<FoundSize, Miss> {
+        let Some((whole, by)) = self.smallest() else {
+            return Err(self.miss());
+        };
+        let without: Vec<f64> = self
+            .parts
+            .iter()
+            .filter_map(|base| self.near(base, whole, &by.0))
+            .collect();
+        let deviation = match self.parts.len() {
+            // What no recording is behind does not vary.
+            0 => Some(0.0),
+            // With fewer, what is found depends on one part of the drive.
+            all if without.len() + 1 >= all => Some(deviation(whole, &without)),
+            _ => None,
+        };
+        Ok(FoundSize {
+            size: whole + Z_80 * deviation.unwrap_or_default(),
+            range: deviation.map(|deviation| [(whole - Z_95 * deviation).max(0.0), whole + Z_95 * deviation]),
+            by_limit: self.by_limit(&by),
+            at_50_m: None,
+            rule: by.0,
+        })
+    }
+
+    /// A copy with the mistake, judged by the rules that should see it; none if nothing changes.
+    fn judged(&self, base: &Base, size: f64) -> Option<Verdict> {
+        let mut world: World = base.world.clone();
+        if !self.fault.apply(&mut world, self.subject, size) {
+            return None;
+        }
+        world.forget();
+        Some(base.judge(&world, self.fault.seen_by))
+    }
+
+    /// What finds the mistake with this size, whichever sign it has: any rule, or this one.
+    fn found(&self, base: &Base, size: f64, rule: Option<&str>) -> Option<By> {
+        let healthy = base.healthy(self.fault.seen_by);
+        let mut by = None;
+        for signed in [size, -size] {
+            let altered = self.judged(base, signed)?;
+            let mut new = healthy.new_in(&altered).into_iter();
+            let finding = new.find(|finding| rule.is_none_or(|rule| finding.rule == rule))?;
+            by = Some((finding.rule.clone(), finding.subject.clone()));
+        }
+        by
+    }
+
+    /// The smallest size that is found in the whole drive, as is twice that size.
+    fn smallest(&self) -> Option<(f64, By)> {
+        let [mut size, largest] = self.fault.range;
+        let mut below: Option<f64> = None;
+        let found = |size: f64| self.found(self.base, size, None);
+        let mut by = found(size);
+        loop {
+            let next = size * STEP;
+            let of_next = if next <= largest { found(next) } else { by.clone() };
+            if let (Some(by), Some(_)) = (by, &of_next) {
+                let Some(below) = below else { return Some((size, by)) };
+                let mut smallest = (size, by);
+                narrowed([below, size], |size| {
+                    found(size).map(|by| smallest = (size, by)).is_some()
+                });
+                return Some(smallest);
+            }
+            if next > largest {
+                return None;
+            }
+            (below, size, by) = (Some(size), next, of_next);
+        }
+    }
+
+    /// The smallest size that this rule finds without a part, near that of the whole drive; none if even twice that is not found.
+    fn near(&self, without: &Base, whole: f64, rule: &str) -> Option<f64> {
+        let is_found = |size: f64| self.found(without, size, Some(rule)).is_some();
+        let is_same = is_found(whole * SAME);
+        let mut last = whole * SAME;
+        let steps = if is_same {
+            [1.0 / SAME, 0.7, 0.4]
+        } else {
+            [1.4, 2.0, 2.0]
+        };
+        for size in steps.map(|times| times * whole) {
+            if is_found(size) != is_same {
+                let [below, above] = if is_same { [size, last] } else { [last, size] };
+                return Some(if above <= below * SAME * SAME * 1.001 {
+                    whole
+                } else {
+                    narrowed([below, above], is_found)
+                });
+            }
+            last = size;
+        }
+        is_same.then_some(last)
+    }
+
+    /// Limit and value of the rule that finds it, where it compares a value of the same unit.
+    fn by_limit(&self, (rule, subject): &By) -> Option<f64> {
+        let healthy = self.base.healthy(self.fault.seen_by);
+        let rows = healthy.verdict.rows.iter();
+        let mut measured = rows
+            .filter(|row| row.rule == *rule && row.subject == *subject)
+            .flat_map(|row| &row.measured)
+            .filter(|measured| measured.unit == self.fault.unit && measured.bound == Bound::Within);
+        let limit = |measured: &Measured| {
+            let spread = measured.spread.unwrap_or_default();
+            Some(measured.limit? + measured.value.abs() + Z_80 * spread)
+        };
+        measured.find_map(limit)
+    }
+
+    /// Why no size is found: what the rules say of a mistake of a middle size.
+    fn miss(&self) -> Miss {
+        let [smallest, largest] = self.fault.range;
+        let Some(altered) = self.judged(self.base, (smallest * largest).sqrt()) else {
+            return Miss {
+                reason: "it changes nothing here".to_owned(),
+                record: self.fault.record.to_owned(),
+            };
+        };
+        Miss::of(self.fault.seen_by, self.subject, &altered, self.fault.record)
+    }
+}
