@@ -1,0 +1,189 @@
+//! The part of an initial configuration that holds the next recordings to a good one: topics, latched transforms, and the known mistakes
+//! that it shows.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use crate::assure::{Assurance, Trial, TrialOutcome};
+use crate::faults::catalogue;
+use crate::page::Page;
+use crate::run::Run;
+use crate::visible::clean;
+use crate::world::FrameId;
+use crate::world::contract::{Contract, TopicTerms, TransformTerms};
+
+use super::text::{number, trimmed, wrap};
+
+/// Columns of a line.
+const WIDTH: usize = 140;
+
+/// The key `contract`.
+pub(super) fn terms(contract: &Contract, run: &Run, out: &mut String) {
+    out.push_str(
+        "\n# What the good recording holds. `check` compares recordings with it: review it, and correct what may differ. A topic with\n\
+         # `optional: true` may be missing; a key that is left out is not compared.\ncontract:\n",
+    );
+    if !contract.topics.is_empty() {
+        out.push_str("  topics:\n");
+    }
+    let percent = limit(run, "contract-rate", "tolerance_percent");
+    for (name, terms) in &contract.topics {
+        let _ = writeln!(out, "    - {{{}}}", topic(name, terms, percent).join(", "));
+    }
+    if !contract.transforms.is_empty() {
+        out.push_str("  transforms:\n");
+    }
+    let tolerance = ["tolerance_mm", "tolerance_deg"].map(|name| (name, limit(run, "contract-transform", name)));
+    for (frames, terms) in &contract.transforms {
+        let _ = writeln!(out, "    - {{{}}}", transform(frames, terms, tolerance).join(", "));
+    }
+}
+
+/// A limit of the rule with this name.
+fn limit(run: &Run, rule: &str, name: &str) -> Option<f64> {
+    let page: &Page = run.rules.iter().find(|page| page.name == rule)?;
+    let limit = page.limits.iter().find(|limit| limit.name == name)?;
+    Some(limit.value.as_f64())
+}
+
+fn topic(name: &str, terms: &TopicTerms, percent: Option<f64>) -> Vec<String> {
+    let mut parts = vec![format!("topic: {}", scalar(name))];
+    parts.extend(terms.message_type.iter().map(|name| format!("type: {}", scalar(name))));
+    if let Some(rate_hz) = terms.rate_hz {
+        parts.push(format!("rate_hz: {}", number(rate_hz, 4)));
+        parts.extend(
+            terms
+                .tolerance_percent
+                .or(percent)
+                .map(|percent| format!("tolerance_percent: {percent}")),
+        );
+    }
+    let frames = [("frame", &terms.frames), ("child_frame", &terms.child_frames)];
+    for (key, frames) in frames {
+        let names: Vec<String> = frames.iter().map(|frame| scalar(frame.as_str())).collect();
+        match names.as_slice() {
+            [] => {}
+            [only] => parts.push(format!("{key}: {only}")),
+            names => parts.push(format!("{key}: [{}]", names.join(", "))),
+        }
+    }
+    parts.extend(terms.is_optional.then(|| "optional: true".to_owned()));
+    parts
+}
+
+fn transform(
+    (parent, child): &(FrameId, FrameId),
+    terms: &TransformTerms,
+    tolerance: [(&str, Option<f64>); 2],
+) -> Vec<String> {
+    let pose = terms.pose.isometry();
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let three = |numbers: [f64; 3]| numbers.map(|number| trimmed(&format!("{number:.6}"))).join(", ");
+    let mut parts = vec![
+        format!("parent: {}", scalar(parent.as_str())),
+        format!("child: {}", scalar(child.as_str())),
+        format!("xyz_m: [{}]", three(terms.pose.translation_m)),
+        format!("rpy_deg: [{}]", three([roll, pitch, yaw].map(f64::to_degrees))),
+    ];
+    parts.extend(
+        tolerance
+            .iter()
+            .filter_map(|(name, value)| Some(format!("{name}: {}", (*value)?))),
+    );
+    parts
+}
+
+/// A text as a scalar in a flow of YAML: plain where it cannot be read as something else.
+fn scalar(text: &str) -> String {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '/' | '-' | '.');
+    let is_plain = text.starts_with(|c: char| c == '/' || c.is_ascii_alphabetic()) && text.chars().all(is_word);
+    let means_more = ["true", "false", "null", "yes", "no", "on", "off", "y", "n"];
+    if is_plain && !means_more.contains(&text.to_ascii_lowercase().as_str()) {
+        text.to_owned()
+    } else if text.chars().any(char::is_control) {
+        format!("{text:?}")
+    } else {
+        format!("'{}'", clean(text).replace('\'', "''"))
+    }
+}
+
+/// Entries of `require`: the known mistakes that the recording shows in everything that can have them, then those that it shows in some
+/// subjects only. A whole family has one word.
+pub(super) fn detections(assurance: &Assurance, run: &Run, out: &mut String) {
+    let mut trials: BTreeMap<&str, Vec<&Trial>> = BTreeMap::new();
+    let tried = assurance.trials.iter();
+    for trial in tried.filter(|trial| !assurance.omitted.contains_key(trial.fault.name)) {
+        trials.entry(trial.fault.name).or_default().push(trial);
+    }
+    let shown: BTreeMap<&str, Vec<&Trial>> = trials
+        .iter()
+        .filter(|(_, trials)| is_shown(trials))
+        .map(|(name, trials)| (*name, trials.clone()))
+        .collect();
+    let mut entries: Vec<(Option<String>, Vec<&str>)> = Vec::new();
+    let all: BTreeSet<&str> = shown.keys().copied().collect();
+    for (_, words) in families(&all) {
+        entries.push((None, words));
+    }
+    let mut subjects: BTreeMap<&str, BTreeMap<&str, Vec<&Trial>>> = BTreeMap::new();
+    for trial in trials
+        .iter()
+        .filter(|(name, _)| !all.contains(**name))
+        .flat_map(|(_, trials)| trials)
+    {
+        let of_subject = subjects.entry(&trial.subject).or_default();
+        of_subject.entry(trial.fault.name).or_default().push(trial);
+    }
+    for (subject, trials) in subjects {
+        let shown = trials
+            .iter()
+            .filter(|(_, trials)| is_shown(trials))
+            .map(|(name, _)| *name);
+        let words: Vec<&str> = families(&shown.collect())
+            .into_iter()
+            .flat_map(|(_, words)| words)
+            .collect();
+        if !words.is_empty() {
+            entries.push((Some(glob(subject, run)), words));
+        }
+    }
+    for (subject, words) in entries {
+        let subject = subject.map_or_else(String::new, |glob| format!(", subject: {}", scalar(&glob)));
+        let entry = format!("{{detects: [{}]{subject}}}", words.join(", "));
+        let _ = writeln!(out, "{}", wrap(&entry, Some(WIDTH), "  - ", "    "));
+    }
+}
+
+/// Whether nothing was missed, and something was found that was not there before.
+fn is_shown(trials: &[&Trial]) -> bool {
+    let is = |outcome| move |trial: &&Trial| trial.outcome == outcome;
+    !trials.iter().any(is(TrialOutcome::Missed)) && trials.iter().any(|trial| trial.outcome != TrialOutcome::Present)
+}
+
+/// Mistakes by family, in the order of the catalogue: the family's word where all of it is there.
+fn families<'a>(names: &BTreeSet<&'a str>) -> Vec<(&'static str, Vec<&'a str>)> {
+    let mut families: Vec<(&'static str, Vec<&'a str>, bool)> = Vec::new();
+    for fault in catalogue() {
+        let family = fault.family.word();
+        if families.last().is_none_or(|(last, ..)| *last != family) {
+            families.push((family, Vec::new(), true));
+        }
+        if let Some((_, words, is_whole)) = families.last_mut() {
+            match names.get(fault.name) {
+                Some(name) => words.push(name),
+                None => *is_whole = false,
+            }
+        }
+    }
+    let each = families.into_iter().filter(|(_, words, _)| !words.is_empty());
+    each.map(|(family, words, is_whole)| (family, if is_whole { vec![family] } else { words }))
+        .collect()
+}
+
+/// A glob for a subject, in recordings of any name.
+fn glob(subject: &str, run: &Run) -> String {
+    let glob = globset::escape(subject);
+    run.sources.iter().fold(glob, |glob, source| {
+        glob.replace(&format!("`{}`", globset::escape(&source.path)), "*")
+    })
+}
