@@ -54,9 +54,9 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
     Ok(answer)
 }
 
-/// The configuration of a folder, or of the folder of a file.
+/// The configuration of a folder, or of the folder of a file or of a recording.
 fn beside(input: &Path) -> PathBuf {
-    let folder = if input.is_dir() {
+    let folder = if input.is_dir() && !input.join("metadata.yaml").is_file() {
         input
     } else {
         input.parent().unwrap_or(Path::new(""))

@@ -8,7 +8,7 @@ use crate::assure::{Assurance, Trial, TrialOutcome};
 use crate::faults::catalogue;
 use crate::page::Page;
 use crate::run::Run;
-use crate::visible::clean;
+use crate::visible::{clean, json_line};
 use crate::world::FrameId;
 use crate::world::contract::{Contract, TopicTerms, TransformTerms};
 
@@ -100,10 +100,10 @@ fn scalar(text: &str) -> String {
     let means_more = ["true", "false", "null", "yes", "no", "on", "off", "y", "n"];
     if is_plain && !means_more.contains(&text.to_ascii_lowercase().as_str()) {
         text.to_owned()
-    } else if text.chars().any(char::is_control) {
-        format!("{text:?}")
+    } else if clean(text) == text && !text.contains(['\n', '\t']) {
+        format!("'{}'", text.replace('\'', "''"))
     } else {
-        format!("'{}'", clean(text).replace('\'', "''"))
+        json_line(&text).unwrap_or_default().trim_end().to_owned()
     }
 }
 
@@ -186,4 +186,39 @@ fn glob(subject: &str, run: &Run) -> String {
     run.sources.iter().fold(glob, |glob, source| {
         glob.replace(&format!("`{}`", globset::escape(&source.path)), "*")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_read_as_it_was() {
+        for name in [
+            "/imu/data",
+            "imu_link",
+            "no",
+            "Null",
+            "1",
+            "a b",
+            "it's",
+            "",
+            "{a}",
+            "- a",
+            "a: b",
+            "#a",
+            "a\tb",
+            "a\nb",
+            "\u{1b}[2J",
+            "\u{202e}a",
+            "\u{e9}",
+        ] {
+            let flow = format!("[{}, b]", scalar(name));
+            assert_eq!(
+                serde_yaml::from_str::<Vec<String>>(&flow).unwrap_or_default(),
+                [name, "b"],
+                "{flow}"
+            );
+        }
+    }
 }
