@@ -193,7 +193,7 @@ fn transforms(bags: &[&BagEvidence]) -> BTreeMap<(FrameId, FrameId), TransformTe
             edge.first().into_iter().chain(extreme).all(is_same)
         };
         edges.iter().all(|(_, edge)| same(edge)).then(|| TransformTerms {
-            pose: first.pose,
+            pose: first.pose.isometry(),
             tolerance_mm: None,
             tolerance_deg: None,
             place: Place::message(bag.source, first.at.clone()),

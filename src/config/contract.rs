@@ -16,8 +16,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::read::calibration::document::Node;
 use crate::source::{Place, SourceId};
+use crate::world::FrameId;
 use crate::world::contract::{Contract, TopicTerms, TransformTerms};
-use crate::world::{FrameId, Pose};
 
 use super::ConfigError;
 use super::reader::Reader;
@@ -113,7 +113,7 @@ impl Reader<'_> {
         let [roll, pitch, yaw] = self.three(item, "rpy_deg", &RPY_DEG)?.map(f64::to_radians);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         let terms = TransformTerms {
-            pose: Pose::from_isometry(&Isometry3::from_parts(Translation3::new(x, y, z), rotation)),
+            pose: Isometry3::from_parts(Translation3::new(x, y, z), rotation),
             tolerance_mm: self.number_in(item, "tolerance_mm", TOLERANCE_MM)?,
             tolerance_deg: self.number_in(item, "tolerance_deg", TOLERANCE_DEG)?,
             place: Place::text(SourceId(0), item.span),
@@ -211,7 +211,7 @@ mod tests {
         let ((parent, child), mount) = contract.transforms.first_key_value().unwrap();
         assert_eq!((parent.as_str(), child.as_str()), ("base", "imu"));
         // 90 deg about z takes x to y.
-        let x = mount.pose.isometry().rotation * nalgebra::Vector3::x();
+        let x = mount.pose.rotation * nalgebra::Vector3::x();
         assert!((x - nalgebra::Vector3::y()).norm() < 1e-12);
         assert_eq!((mount.tolerance_mm, mount.tolerance_deg), (Some(3.0), None));
     }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use crate::assure::{Assurance, Trial, TrialOutcome};
-use crate::faults::catalogue;
+use crate::faults::{Family, catalogue};
 use crate::page::Page;
 use crate::run::Run;
 use crate::visible::{clean, json_line};
@@ -76,13 +76,12 @@ fn transform(
     terms: &TransformTerms,
     tolerance: [(&str, Option<f64>); 2],
 ) -> Vec<String> {
-    let pose = terms.pose.isometry();
-    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let (roll, pitch, yaw) = terms.pose.rotation.euler_angles();
     let three = |numbers: [f64; 3]| numbers.map(|number| trimmed(&format!("{number:.6}"))).join(", ");
     let mut parts = vec![
         format!("parent: {}", scalar(parent.as_str())),
         format!("child: {}", scalar(child.as_str())),
-        format!("xyz_m: [{}]", three(terms.pose.translation_m)),
+        format!("xyz_m: [{}]", three(terms.pose.translation.vector.into())),
         format!("rpy_deg: [{}]", three([roll, pitch, yaw].map(f64::to_degrees))),
     ];
     parts.extend(
@@ -107,77 +106,63 @@ fn scalar(text: &str) -> String {
     }
 }
 
-/// Entries of `require`: the known mistakes that the recording shows in everything that can have them, then those that it shows in some
-/// subjects only. A whole family has one word.
+/// Entries of `require`: the known mistakes that the recording shows in everything that can have them, a line for each family, then those
+/// that it shows in some subjects only. A whole family has one word.
 pub(super) fn detections(assurance: &Assurance, run: &Run, out: &mut String) {
-    let mut trials: BTreeMap<&str, Vec<&Trial>> = BTreeMap::new();
-    let tried = assurance.trials.iter();
-    for trial in tried.filter(|trial| !assurance.omitted.contains_key(trial.fault.name)) {
-        trials.entry(trial.fault.name).or_default().push(trial);
+    let is_counted = |trial: &&Trial| !assurance.omitted.contains_key(trial.fault.name) && !is_in_contract(trial);
+    let tried: Vec<&Trial> = assurance.trials.iter().filter(is_counted).collect();
+    let everywhere = shown(&tried);
+    for words in families(&everywhere) {
+        entry("", &words, out);
     }
-    let shown: BTreeMap<&str, Vec<&Trial>> = trials
-        .iter()
-        .filter(|(_, trials)| is_shown(trials))
-        .map(|(name, trials)| (*name, trials.clone()))
-        .collect();
-    let mut entries: Vec<(Option<String>, Vec<&str>)> = Vec::new();
-    let all: BTreeSet<&str> = shown.keys().copied().collect();
-    for (_, words) in families(&all) {
-        entries.push((None, words));
+    let mut subjects: BTreeMap<String, Vec<&Trial>> = BTreeMap::new();
+    for trial in tried.iter().filter(|trial| !everywhere.contains(trial.fault.name)) {
+        subjects.entry(glob(&trial.subject, run)).or_default().push(trial);
     }
-    let mut subjects: BTreeMap<&str, BTreeMap<&str, Vec<&Trial>>> = BTreeMap::new();
-    for trial in trials
-        .iter()
-        .filter(|(name, _)| !all.contains(**name))
-        .flat_map(|(_, trials)| trials)
-    {
-        let of_subject = subjects.entry(&trial.subject).or_default();
-        of_subject.entry(trial.fault.name).or_default().push(trial);
+    for (subject, trials) in &subjects {
+        let subject = format!("subject: {}, ", scalar(subject));
+        entry(&subject, &families(&shown(trials)).concat(), out);
     }
-    for (subject, trials) in subjects {
-        let shown = trials
-            .iter()
-            .filter(|(_, trials)| is_shown(trials))
-            .map(|(name, _)| *name);
-        let words: Vec<&str> = families(&shown.collect())
-            .into_iter()
-            .flat_map(|(_, words)| words)
-            .collect();
-        if !words.is_empty() {
-            entries.push((Some(glob(subject, run)), words));
-        }
-    }
-    for (subject, words) in entries {
-        let subject = subject.map_or_else(String::new, |glob| format!(", subject: {}", scalar(&glob)));
-        let entry = format!("{{detects: [{}]{subject}}}", words.join(", "));
+}
+
+fn entry(subject: &str, words: &[&str], out: &mut String) {
+    if !words.is_empty() {
+        let entry = format!("{{{subject}detects: [{}]}}", words.join(", "));
         let _ = writeln!(out, "{}", wrap(&entry, Some(WIDTH), "  - ", "    "));
     }
 }
 
-/// Whether nothing was missed, and something was found that was not there before.
-fn is_shown(trials: &[&Trial]) -> bool {
-    let is = |outcome| move |trial: &&Trial| trial.outcome == outcome;
-    !trials.iter().any(is(TrialOutcome::Missed)) && trials.iter().any(|trial| trial.outcome != TrialOutcome::Present)
+/// The contract has the values of latched transforms: whatever changes them is found without a requirement.
+fn is_in_contract(trial: &Trial) -> bool {
+    trial.fault.family == Family::Statement && trial.subject.contains("_static`: `")
+}
+
+/// The names of mistakes that were found, and nowhere missed.
+fn shown(trials: &[&Trial]) -> BTreeSet<&'static str> {
+    let names = |is_it: fn(TrialOutcome) -> bool| -> BTreeSet<&'static str> {
+        let those = trials.iter().filter(|trial| is_it(trial.outcome));
+        those.map(|trial| trial.fault.name).collect()
+    };
+    let found = names(|outcome| matches!(outcome, TrialOutcome::Named | TrialOutcome::Noticed));
+    &found - &names(|outcome| outcome == TrialOutcome::Missed)
 }
 
 /// Mistakes by family, in the order of the catalogue: the family's word where all of it is there.
-fn families<'a>(names: &BTreeSet<&'a str>) -> Vec<(&'static str, Vec<&'a str>)> {
-    let mut families: Vec<(&'static str, Vec<&'a str>, bool)> = Vec::new();
+fn families(names: &BTreeSet<&str>) -> Vec<Vec<&'static str>> {
+    let mut families: BTreeMap<Family, Vec<&'static str>> = BTreeMap::new();
+    let mut partial: BTreeSet<Family> = BTreeSet::new();
     for fault in catalogue() {
-        let family = fault.family.word();
-        if families.last().is_none_or(|(last, ..)| *last != family) {
-            families.push((family, Vec::new(), true));
-        }
-        if let Some((_, words, is_whole)) = families.last_mut() {
-            match names.get(fault.name) {
-                Some(name) => words.push(name),
-                None => *is_whole = false,
-            }
+        if names.contains(fault.name) {
+            families.entry(fault.family).or_default().push(fault.name);
+        } else {
+            partial.insert(fault.family);
         }
     }
-    let each = families.into_iter().filter(|(_, words, _)| !words.is_empty());
-    each.map(|(family, words, is_whole)| (family, if is_whole { vec![family] } else { words }))
-        .collect()
+    let words = |(family, names): (Family, Vec<&'static str>)| match partial.contains(&family) {
+        true => names,
+        false => vec![family.word()],
+    };
+    families.into_iter().map(words).collect()
 }
 
 /// A glob for a subject, in recordings of any name.

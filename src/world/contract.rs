@@ -4,9 +4,10 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Isometry3;
+
 use crate::source::{Place, SourceId};
 
-use super::claim::Pose;
 use super::frame::FrameId;
 
 /// What recordings of a platform hold.
@@ -40,8 +41,8 @@ pub struct TopicTerms {
 /// One transform that does not change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransformTerms {
-    /// `parent_from_child`.
-    pub pose: Pose,
+    /// `parent_from_child`, metres.
+    pub pose: Isometry3<f64>,
     /// How far the origin of the child may be from that, millimetres.
     pub tolerance_mm: Option<f64>,
     /// How far the child may be rotated from that, degrees.

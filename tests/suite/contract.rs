@@ -133,14 +133,14 @@ fn each_alteration_is_found_and_nothing_else() {
     );
     assert_eq!(
         altered("rate_hz: 100", "rate_hz: 50"),
-        ["CONTRACT02 warning `/imu` has 50 Hz instead of 100 Hz: -50 %, tolerance 20 %"]
+        ["CONTRACT02 warning `/imu` has 50.00 Hz instead of 100 Hz: -50 %, tolerance 20 %"]
     );
     assert_eq!(altered("rate_hz: 100", "rate_hz: 90"), [""; 0]);
     // A topic that starts late has its rate; one that ends early has not.
     assert_eq!(altered("rate_hz: 100", "rate_hz: 100, from_s: 4"), [""; 0]);
     assert_eq!(
         altered("rate_hz: 100", "rate_hz: 100, until_s: 10"),
-        ["CONTRACT02 warning `/imu` has 50 Hz instead of 100 Hz: -50 %, tolerance 20 %"]
+        ["CONTRACT02 warning `/imu` has 50.00 Hz instead of 100 Hz: -50 %, tolerance 20 %"]
     );
     assert_eq!(
         altered("frame_id: lidar", "frame_id: velodyne"),

@@ -54,7 +54,7 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     }
     let name = term.name;
     let message =
-        format!("`{name}` has {rate_hz:.4} Hz instead of {wanted_hz} Hz: {percent:+.0} %, tolerance {tolerance} %");
+        format!("`{name}` has {rate_hz:.2} Hz instead of {wanted_hz} Hz: {percent:+.0} %, tolerance {tolerance} %");
     let help = if percent < 0.0 {
         "find out what slows, drops or stops its messages"
     } else {

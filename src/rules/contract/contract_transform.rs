@@ -93,7 +93,7 @@ fn values<'w>(world: &'w World, (parent, child): &(FrameId, FrameId)) -> Vec<(So
 fn judge_values((frames, terms): Term, values: &[(SourceId, &TfSample)], limits: &Limits, out: &mut Judge) {
     let mm = terms.tolerance_mm.unwrap_or(limits.tolerance_mm);
     let deg = terms.tolerance_deg.unwrap_or(limits.tolerance_deg);
-    let wanted = terms.pose.isometry();
+    let wanted = terms.pose;
     let by = |sample: &TfSample| {
         let by = wanted.inv_mul(&sample.pose.isometry());
         (by.translation.vector.norm() * 1000.0, by.rotation.angle().to_degrees())
