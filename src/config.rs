@@ -42,10 +42,14 @@
 //! projections:                     # see `projections`
 //!   - topic: /points
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
+//! contract:                        # see `contract`; `frames-lint init --from` writes it
+//!   topics: [{topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame: imu_link}]
+//!   transforms: [{parent: base_link, child: imu_link, xyz_m: [0.3, 0, 0.1], tolerance_mm: 5}]
 //! ```
 //!
 //! Extended configurations are read first: lists are appended to, single values and entries of mappings are overridden.
 
+mod contract;
 mod declared;
 mod extends;
 mod frames;
@@ -67,6 +71,7 @@ use crate::read::discover::CONFIGURATION;
 use crate::run::FailOn;
 use crate::source::{Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
+use crate::world::contract::Contract;
 use crate::world::conventions::{Alias, Declaration, DeclaredTransform};
 use crate::world::{Conventions, NamedDataset, Projection};
 
@@ -104,6 +109,7 @@ struct Layer {
     /// The dataset that it names, and where.
     dataset: Option<(NamedDataset, Span)>,
     projections: Vec<projections::ProjectionDraft>,
+    contract: Contract,
     aliases: Vec<Alias>,
     transforms: Vec<DeclaredTransform>,
     /// Whether the `xacro` program may be run.
@@ -204,6 +210,7 @@ impl Config {
             }
             layer.conventions = reader.conventions(&root)?;
             layer.projections = reader.projections(&root)?;
+            layer.contract = reader.contract(&root)?;
             layer.aliases = reader.aliases(&root)?;
             layer.transforms = reader.transforms(&root)?;
             layer.dataset = root
@@ -299,6 +306,9 @@ impl Config {
             known
                 .projections
                 .extend(layer.projections.iter().filter_map(projection));
+            if let Some(id) = id {
+                known.contract.overlay(&layer.contract, id);
+            }
             known.aliases.extend(layer.aliases.iter().cloned());
             known.transforms.extend(layer.transforms.iter().cloned());
         }
@@ -361,6 +371,7 @@ impl Config {
     pub fn keys_of_platforms(&self) -> impl Iterator<Item = &'static str> {
         let has = |test: fn(&Layer) -> bool| self.layers.iter().any(test);
         let keys = [
+            ("contract", has(|layer| !layer.contract.is_empty())),
             ("dataset", has(|layer| layer.dataset.is_some())),
             ("limits", has(|layer| !layer.asked.limits.is_empty())),
             ("projections", has(|layer| !layer.projections.is_empty())),
@@ -424,6 +435,7 @@ const COMMENTS: &[(&str, bool)] = &[("accept", true), ("refuse", false)];
 pub const KEYS: &[&str] = &[
     "aliases",
     "comments",
+    "contract",
     "conventions",
     "dataset",
     "extends",
@@ -486,7 +498,7 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rule: {}\n"),
-            "c.yaml:1:1: unknown key `rule`; did you mean `rules`? known keys: aliases, comments, conventions, dataset, extends, fail-on, limits, \
+            "c.yaml:1:1: unknown key `rule`; did you mean `rules`? known keys: aliases, comments, contract, conventions, dataset, extends, fail-on, limits, \
              paths, projections, require, rules, tables, transforms, waivers, xacro"
         );
         assert_eq!(

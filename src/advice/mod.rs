@@ -2,6 +2,7 @@
 //!
 //! Knows worlds, estimates and findings. Must not judge.
 
+pub(crate) mod contract;
 pub(crate) mod declared;
 pub(crate) mod diagnosis;
 pub(crate) mod fault;

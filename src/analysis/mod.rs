@@ -5,6 +5,7 @@
 pub(crate) mod auth;
 pub(crate) mod axes;
 pub(crate) mod camera;
+pub(crate) mod contract;
 pub(crate) mod cov;
 pub(crate) mod cross;
 mod estimates;

@@ -131,6 +131,12 @@ pub(crate) fn is_static_topic(topic: &str) -> bool {
     topic == "tf_static" || topic.ends_with("/tf_static")
 }
 
+/// Whether the static topics were read completely.
+pub(crate) fn latched_is_read(bag: &BagEvidence) -> bool {
+    let mut latched = bag.topics.values().filter(|topic| is_static_topic(&topic.topic));
+    bag.share.whole || latched.all(|topic| topic.total.is_some_and(|total| total <= topic.count))
+}
+
 /// The frames of a recording's own TF, canonical.
 pub(crate) fn frames(bag: &BagEvidence) -> BTreeSet<FrameId> {
     bag.tf

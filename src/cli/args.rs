@@ -52,7 +52,8 @@ pub(super) enum Verb {
     Diff(Diff),
     /// Write an initial frames-lint.yaml from what the inputs contain
     ///
-    /// It lists which source states which transform, and requires what could be checked this time to be checked from now on.
+    /// It lists which source states which transform, and requires what could be checked this time to be checked from now on. With --from it
+    /// holds the next recordings to what a good one contains.
     Init(Init),
     /// Explain a rule: what it checks, why it matters, how it decides, how to fix it
     Explain {
@@ -368,8 +369,19 @@ pub(super) enum DiffFormat {
 
 #[derive(Debug, Args)]
 pub(super) struct Init {
+    /// Files and folders; `-` reads a list of paths from standard input
+    ///
+    /// The list has one path per line, or NUL-separated paths (`git ls-files -z`).
+    #[arg(required_unless_present = "from", value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub(super) paths: Vec<PathBuf>,
+    /// Good recording, or a folder of them: hold the next ones to what it contains
+    ///
+    /// Adds a contract: topics with types, rates and frames, latched transforms with tolerances, and the known mistakes that this recording
+    /// would have shown. It is read together with the paths.
+    #[arg(long, value_name = "GOOD", value_hint = ValueHint::AnyPath)]
+    pub(super) from: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) input: Input,
+    pub(super) reading: ReadOptions,
     /// File to write, `-` for standard output (default: frames-lint.yaml in first path)
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,

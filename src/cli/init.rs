@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::engine;
+use crate::faults::catalogue;
 use crate::files::Outputs;
 use crate::report::init;
 
@@ -15,7 +16,8 @@ const NAME: &str = "frames-lint.yaml";
 
 /// Checks the inputs and writes a configuration from the results. An existing configuration is not applied.
 pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let inputs = paths(init.input.paths, stdin)?;
+    let given = init.paths.into_iter().chain(init.from.clone()).collect();
+    let inputs = paths(given, stdin)?;
     let target = match init.output {
         Some(path) if path.as_os_str() == "-" => None,
         Some(path) => Some(path),
@@ -35,9 +37,12 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
             ..Outputs::default()
         },
         verdicts: engine::VerdictScope::One,
-        ..init.input.reading.options(inputs, surroundings)
+        assure: init.from.is_some().then(|| catalogue().collect()),
+        ..init.reading.options(inputs, surroundings)
     })?;
-    let text = init::configuration(&run);
+    let good = init.from.as_deref();
+    let contract = good.map(|good| engine::contract(&run, good)).transpose()?;
+    let text = init::configuration(&run, contract.as_ref());
     let mut answer = Answer::of_reading(&run, surroundings);
     match target {
         None => answer.out = text,
@@ -49,9 +54,9 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
     Ok(answer)
 }
 
-/// The configuration of a folder, or of the folder of a file.
+/// The configuration of a folder, or of the folder of a file or of a recording.
 fn beside(input: &Path) -> PathBuf {
-    let folder = if input.is_dir() {
+    let folder = if input.is_dir() && !input.join("metadata.yaml").is_file() {
         input
     } else {
         input.parent().unwrap_or(Path::new(""))

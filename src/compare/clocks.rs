@@ -16,10 +16,6 @@ use super::{Change, Comparison, Kind};
 const SAME_S: f64 = 0.1;
 /// Share by which a rate varies without any change.
 const SAME_RATE: f64 = 0.2;
-/// Fewer messages, or shorter recordings, give no rate.
-const MIN_MESSAGES: f64 = 10.0;
-/// Seconds.
-const MIN_S: f64 = 5.0;
 
 pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
     let (before, after) = (topics(a), topics(b));
@@ -43,8 +39,8 @@ pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
 /// A topic of a recording.
 struct Topic<'r> {
     evidence: &'r TopicEvidence,
-    /// Length of the whole recording, seconds of log time.
-    recorded_s: Option<f64>,
+    /// Messages per second, if the recording gives a rate.
+    rate_hz: Option<f64>,
 }
 
 impl Deref for Topic<'_> {
@@ -55,24 +51,14 @@ impl Deref for Topic<'_> {
     }
 }
 
-impl Topic<'_> {
-    /// Messages a second, over the whole recording: drivers send in bursts, which steps between stamps take for a rate.
-    fn rate_hz(&self) -> Option<f64> {
-        let count = self.total? as f64;
-        let seconds = self.recorded_s?;
-        (count >= MIN_MESSAGES && seconds >= MIN_S).then_some((count - 1.0) / seconds)
-    }
-}
-
 /// The topics of all recordings of a run that anything was published on; of one in several recordings the first.
 fn topics(run: &Run) -> BTreeMap<&str, Topic<'_>> {
     let mut topics = BTreeMap::new();
     for bag in run.worlds.iter().flat_map(|world| &world.bags) {
-        let span = bag.share.span_ns.or_else(|| bag.start_ns.zip(bag.end_ns));
         for (name, evidence) in bag.topics.iter().filter(|(_, topic)| topic.count > 0) {
             topics.entry(name.as_str()).or_insert(Topic {
                 evidence,
-                recorded_s: span.map(|(from, to)| (to - from) as f64 / 1e9),
+                rate_hz: bag.rate_hz(evidence).map(|[least, _]| least),
             });
         }
     }
@@ -128,7 +114,7 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
         change.measured = vec![Measured::new("change of the stamp offset", after - before, "s").limit(SAME_S)];
         out.changes.push(change);
     }
-    if let (Some(before), Some(after)) = (first.rate_hz(), second.rate_hz())
+    if let (Some(before), Some(after)) = (first.rate_hz, second.rate_hz)
         && (after / before - 1.0).abs() > SAME_RATE
     {
         let mut change = Change::new(

@@ -135,17 +135,6 @@ impl Reader<'_> {
         })
     }
 
-    fn number(&self, item: &Node, key: &str) -> Result<Option<f64>, ConfigError> {
-        let Some(value) = item.get(key) else { return Ok(None) };
-        self.one(value, key).map(Some)
-    }
-
-    fn one(&self, value: &Node, key: &str) -> Result<f64, ConfigError> {
-        let number = value.text().and_then(|text| text.parse::<f64>().ok());
-        let number = number.filter(|number| number.is_finite());
-        number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` must be a number")))
-    }
-
     fn whole(&self, item: &Node, key: &str) -> Result<Option<u32>, ConfigError> {
         let Some(value) = item.get(key) else { return Ok(None) };
         let number = value.text().and_then(|text| text.parse::<u32>().ok());

@@ -98,6 +98,17 @@ impl<'t> Reader<'t> {
         })
     }
 
+    pub(super) fn number(&self, item: &Node, key: &str) -> Result<Option<f64>, ConfigError> {
+        let Some(value) = item.get(key) else { return Ok(None) };
+        self.one(value, key).map(Some)
+    }
+
+    pub(super) fn one(&self, value: &Node, key: &str) -> Result<f64, ConfigError> {
+        let number = value.text().and_then(|text| text.parse::<f64>().ok());
+        let number = number.filter(|number| number.is_finite());
+        number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` must be a number")))
+    }
+
     /// The place of a node in words: path, line, and column if wanted.
     pub(super) fn origin(&self, node: &Node, with_column: bool) -> String {
         let place = self.lines.locate(self.text, node.span.start);

@@ -1,6 +1,7 @@
 //! The engine: plan, read, judge. Connects the other modules; knows no format and no rule by name.
 
 mod assured;
+mod contract;
 mod enabled;
 pub mod evidence;
 mod gather;
@@ -49,6 +50,7 @@ use timings::Phase;
 pub use crate::read::discover::FileSelection;
 pub use crate::read::xacro::own::expand as expand_xacro;
 pub use crate::read::xacro::{ExpandOptions as XacroOptions, VERB as EXPAND_XACRO};
+pub use contract::contract;
 pub use governed::settings_of;
 pub use hash::hash;
 pub use options::{Options, Retention, UsageError, VerdictScope};

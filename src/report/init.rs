@@ -10,16 +10,18 @@ use crate::page::Page;
 use crate::run::Run;
 use crate::verdict::Severity;
 use crate::verdict::waiver::FAMILY;
+use crate::world::contract::Contract;
 use crate::world::{ClaimKind, FrameId, World};
 
+use super::contract;
 use super::place::Locator;
 use super::text::{one_line, plural};
 
 /// Maximum number of listed pairs of frames, and of topics.
 const MAX_ROWS: usize = 200;
 
-/// The text of a `frames-lint.yaml`.
-pub fn configuration(run: &Run) -> String {
+/// The text of a `frames-lint.yaml`; with a contract, if a good recording gave one.
+pub fn configuration(run: &Run, contract: Option<&Contract>) -> String {
     let locator = Locator::inside(&run.sources);
     let mut out = String::from(
         "# frames-lint.yaml: configuration for the files in this folder and below. `frames-lint explain RULE` shows what a rule checks;\n\
@@ -29,6 +31,9 @@ pub fn configuration(run: &Run) -> String {
     );
     authorities(run, &locator, &mut out);
     conventions(run, &mut out);
+    if let Some(contract) = contract {
+        contract::terms(contract, run, &mut out);
+    }
     required(run, &mut out);
     today(run, &mut out);
     out
@@ -139,7 +144,11 @@ fn required(run: &Run, out: &mut String) {
         .iter()
         .filter(|rule| rule.family() != FAMILY && judged(rule.code) && asks_for_more(rule))
         .collect();
-    if rules.is_empty() {
+    let mut shown = String::new();
+    if let Some(assurance) = &run.assurance {
+        contract::detections(assurance, run, &mut shown);
+    }
+    if rules.is_empty() && shown.is_empty() {
         return;
     }
     out.push_str(
@@ -148,6 +157,12 @@ fn required(run: &Run, out: &mut String) {
     );
     for rule in rules {
         let _ = writeln!(out, "  - {:<9} # {}", rule.code, rule.name);
+    }
+    if !shown.is_empty() {
+        let words = "  # Known mistakes that the good recording would have shown; `frames-lint assure --list` says what they are. A recording that is too short\n  \
+                     # or too calm to show them is incomplete.\n";
+        out.push_str(words);
+        out.push_str(&shown);
     }
 }
 

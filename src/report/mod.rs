@@ -2,6 +2,7 @@
 
 pub mod assure;
 mod assured;
+mod contract;
 pub mod diff;
 pub mod explain;
 mod fingerprint;

@@ -155,6 +155,13 @@ macro_rules! registry {
                 CONFIG02 => navsat_transform::NavsatTransform,
                 CONFIG03 => localization_frames::LocalizationFrames,
             }
+            #[doc = "CONTRACT: recordings compared with what the configuration says that they hold."]
+            contract {
+                CONTRACT01 => contract_topic::ContractTopic,
+                CONTRACT02 => contract_rate::ContractRate,
+                CONTRACT03 => contract_frame::ContractFrame,
+                CONTRACT04 => contract_transform::ContractTransform,
+            }
             #[doc = "URDF: the contents of robot descriptions, and how consumers read them."]
             urdf {
                 URDF01 => mesh_scale::MeshScale,

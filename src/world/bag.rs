@@ -14,6 +14,11 @@ use super::motion::{PoseRow, Series};
 /// Bound on every list of examples kept in evidence.
 pub const MAX_EXAMPLES: usize = 8;
 
+/// Fewer messages, or a shorter time, give no rate.
+const MIN_MESSAGES: u64 = 10;
+/// Seconds.
+const MIN_S: f64 = 5.0;
+
 /// The header stamps of one topic, compared with the log clock.
 ///
 /// Steps are taken between neighbouring stamps that are not zero, in recording order: a zero stamp is a fault of its
@@ -403,6 +408,29 @@ impl BagEvidence {
             share: Share::WHOLE,
             annotations: BTreeMap::new(),
         }
+    }
+
+    /// Messages of a topic per second of log time, from its first message to its last, or to the end of the recording if
+    /// that is many steps later: the least and the most that
+    /// it can be, equal where its first message is known. Steps between stamps are no rate: drivers send in bursts, or stop.
+    /// `None` for few messages, a short time, or an unknown count.
+    pub fn rate_hz(&self, topic: &TopicEvidence) -> Option<[f64; 2]> {
+        let count = topic.total.or(self.share.whole.then_some(topic.count))?;
+        let (start, end) = self.share.span_ns.or(self.start_ns.zip(self.end_ns))?;
+        let (first, last) = topic.first_log_ns.zip(topic.last_log_ns)?;
+        let steps = i64::try_from(count.saturating_sub(1)).unwrap_or(i64::MAX);
+        let is_at_the_end = end.saturating_sub(last) / 3 <= last.saturating_sub(first) / steps.max(1);
+        let end = if is_at_the_end { last } else { end };
+        let read_before = self.share.stretches_ns.iter().rev().find(|(_, to)| *to < first);
+        let is_first = self.share.whole || self.share.stretches_ns.first().is_some_and(|(_, to)| *to >= first);
+        let earliest = match read_before {
+            _ if is_first => first,
+            Some((_, to)) => *to,
+            None => start,
+        };
+        let [long_s, short_s] = [earliest, first].map(|from| end.saturating_sub(from) as f64 / 1e9);
+        let over = |seconds: f64| steps as f64 / seconds;
+        (count >= MIN_MESSAGES && short_s >= MIN_S).then(|| [over(long_s), over(short_s)])
     }
 
     /// The part of the messages that was examined, 0 to 1, if that is not all of them.

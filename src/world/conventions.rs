@@ -7,6 +7,7 @@ use globset::GlobMatcher;
 
 use crate::source::Place;
 
+use super::contract::Contract;
 use super::frame::FrameId;
 use super::projection::Projection;
 
@@ -179,6 +180,8 @@ pub struct Conventions {
     pub declarations: Vec<Declaration>,
     /// Projections that are declared.
     pub projections: Vec<Projection>,
+    /// What recordings hold.
+    pub contract: Contract,
     /// Names that files use for frames of the platform, in the order of the configuration.
     pub aliases: Vec<Alias>,
     /// The frames of statements in files.

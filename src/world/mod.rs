@@ -9,6 +9,7 @@ pub mod chain;
 pub mod claim;
 pub mod cloud;
 pub mod content;
+pub mod contract;
 pub mod conventions;
 pub mod frame;
 pub mod graph;

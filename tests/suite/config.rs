@@ -403,6 +403,12 @@ projections:
     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5, azimuth: clockwise, seam: clamp, beam_offset_mm: 15.8}
   - {topic: /bev, grid: {frame: base_link, resolution_m: 0.1, origin: [-50, -50], cell: corner, columns: +x, rows: +y, ego_motion: raw}}
   - {topic: /pano, panorama: {width: 4096, height: 2048, azimuth: clockwise}}
+contract:
+  topics:
+    - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, tolerance_percent: 20, frame: imu_link, optional: true}
+    - {topic: /odom, frame: [odom, ''], child_frame: base_link}
+  transforms:
+    - {parent: base_link, child: imu_link, xyz_m: [0.3, 0, 1.2], rpy_deg: [0, 0, 90], tolerance_mm: 5, tolerance_deg: 0.2}
 ";
 
 #[test]
@@ -451,6 +457,16 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         "conventions: [{world: NED}]\n",
         "transforms: [{file: a}]\n",
         "projections: [{topic: a}]\n",
+        "contract: []\n",
+        "contract: {topics: {}}\n",
+        "contract: {topics: [{type: a}]}\n",
+        "contract: {topics: [{topic: a, rate_hz: -1}]}\n",
+        "contract: {topics: [{topic: a, rate_hz: .nan}]}\n",
+        "contract: {topics: [{topic: a, optional: perhaps}]}\n",
+        "contract: {transforms: [{parent: a}]}\n",
+        "contract: {transforms: [{parent: a, child: b, xyz_m: [1, 2]}]}\n",
+        "contract: {transforms: [{parent: a, child: b, xyz_m: [1, 2, 1e9]}]}\n",
+        "contract: {transforms: [{parent: a, child: b, tolerance_mm: -5}]}\n",
     ]
     .map(str::to_owned)
     .to_vec();
@@ -470,6 +486,9 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         "resolution_m",
         "panorama",
         "lidar-imus",
+        "topics",
+        "rate_hz",
+        "tolerance_mm",
     ] {
         let text = match key.split_once(':') {
             Some((before, _)) => WHOLE.replacen(key, &format!("{before}: {{no: no}}"), 1),

@@ -30,6 +30,7 @@ mod bag_tf;
 mod cases;
 mod completions;
 mod config;
+mod contract;
 mod convert;
 mod dialects;
 mod diff;

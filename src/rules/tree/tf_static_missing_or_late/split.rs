@@ -6,18 +6,12 @@ use crate::verdict::{Finding, Measured};
 use crate::world::BagEvidence;
 use crate::world::bag::Part;
 
-/// Whether the static topics were read completely.
-fn is_read_up(bag: &BagEvidence) -> bool {
-    let mut latched = bag.topics.values().filter(|topic| tf::is_static_topic(&topic.topic));
-    bag.share.whole || latched.all(|topic| topic.total.is_some_and(|total| total <= topic.count))
-}
-
 /// Some files contain no latched transforms. As one recording nothing is missing, so this is a note.
 pub(crate) fn split(bag: &BagEvidence, subject: &str) -> Option<Finding> {
     let with_messages: Vec<&Part> = bag.parts.iter().filter(|part| part.messages > 0).collect();
     let without: Vec<&&Part> = with_messages.iter().filter(|part| !part.static_transforms).collect();
     let lacking = without.first()?;
-    if with_messages.len() == without.len() || bag.truncated || !is_read_up(bag) {
+    if with_messages.len() == without.len() || bag.truncated || !tf::latched_is_read(bag) {
         return None;
     }
     let first = bag.tf.iter().filter(|edge| edge.is_static).map(|edge| &edge.first_at);

@@ -1,0 +1,72 @@
+//! CONTRACT03: messages with other frames than those of the contract.
+
+use std::collections::BTreeMap;
+
+use crate::advice::contract::{MEANT, Term, terms};
+use crate::analysis::contract::Recorded;
+use crate::rules::prelude::*;
+use crate::world::FrameId;
+use crate::world::bag::HeaderFrame;
+
+pub(crate) struct ContractFrame;
+
+impl Rule for ContractFrame {
+    const NEEDS: &'static [Need] = &[];
+    type Limits = NoLimits;
+
+    fn judge(world: &Estimates, _: &NoLimits, out: &mut Judge) {
+        for term in terms(world, "frame of ", |terms| !terms.frames.is_empty(), out) {
+            judge_all(&term, ("frame_id", &term.terms.frames), out, |topic| {
+                &topic.1.header_frames
+            });
+        }
+        for term in terms(world, "child frame of ", |terms| !terms.child_frames.is_empty(), out) {
+            judge_all(&term, ("child_frame_id", &term.terms.child_frames), out, |topic| {
+                &topic.1.child_frames
+            });
+        }
+    }
+}
+
+fn judge_all<'w>(
+    term: &Term<'w>,
+    (key, wanted): (&str, &[FrameId]),
+    out: &mut Judge,
+    of: impl Fn(&Recorded<'w>) -> &'w BTreeMap<FrameId, HeaderFrame>,
+) {
+    if term.is_absent(out) {
+        return;
+    }
+    for recorded in &term.seen {
+        let (bag, topic) = recorded;
+        let frames = of(recorded);
+        let read: u64 = frames.values().map(|frame| frame.count).sum();
+        let other = frames.iter().find(|(frame, _)| !wanted.contains(&frame.canonical()));
+        let Some((frame, first)) = other else {
+            if frames.is_empty() {
+                let why = topic.unread.as_deref().unwrap_or("no message with one was read");
+                out.too_little(term.subject.as_str(), format!("its `{key}` is not known: {why}"));
+            } else {
+                let measured = Measured::count("messages with another frame", 0).limit(0.0);
+                out.pass(term.subject.as_str(), [measured.samples(read)]);
+            }
+            continue;
+        };
+        let name = term.name;
+        let allowed: Vec<String> = wanted.iter().map(|frame| format!("`{frame}`")).collect();
+        let allowed = allowed.join(" or ");
+        let count = frames.iter().filter(|(frame, _)| !wanted.contains(&frame.canonical()));
+        let count: u64 = count.map(|(_, frame)| frame.count).sum();
+        let message = format!("`{name}` has {key} `{frame}` instead of {allowed}");
+        let finding = Finding::error(&term.subject, message, term.terms.place.clone())
+            .label("frame by the contract")
+            .help(format!("publish `{name}` with {key} {allowed}; {MEANT}"))
+            .measured(
+                Measured::new("messages with another frame", count as f64, "count")
+                    .limit(0.0)
+                    .samples(read),
+            )
+            .related(Place::message(bag.source, first.first.clone()), "first message with it");
+        out.fail(finding);
+    }
+}

@@ -1,0 +1,70 @@
+//! CONTRACT02: topics with another rate than that of the contract.
+
+use crate::advice::contract::{MEANT, Term, terms};
+use crate::analysis::contract::Recorded;
+use crate::rules::prelude::*;
+
+pub(crate) struct ContractRate;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    tolerance_percent: f64,
+}
+
+impl Rule for ContractRate {
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        for term in terms(world, "rate of ", |terms| terms.rate_hz.is_some(), out) {
+            let Some(wanted_hz) = term.terms.rate_hz.filter(|_| !term.is_absent(out)) else {
+                continue;
+            };
+            let tolerance = term.terms.tolerance_percent.unwrap_or(limits.tolerance_percent);
+            for found in &term.seen {
+                judge_one(&term, found, (wanted_hz, tolerance), out);
+            }
+        }
+    }
+}
+
+fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64, f64), out: &mut Judge) {
+    if bag.truncated {
+        return out.too_little(
+            term.subject.as_str(),
+            "a part of the recording could not be read, so its messages cannot be counted",
+        );
+    }
+    let Some([least, most]) = bag.rate_hz(topic) else {
+        return out.too_little(
+            term.subject.as_str(),
+            "10 messages, 5 s of recording and the number of its messages are needed",
+        );
+    };
+    // Of the rates that it may have, the one nearest to the contract.
+    let rate_hz = wanted_hz.max(least).min(most);
+    let percent = (rate_hz / wanted_hz - 1.0) * 100.0;
+    let measured = [
+        Measured::new("rate", rate_hz, "Hz").samples(topic.total.unwrap_or(topic.count)),
+        Measured::new("difference from the contract", percent.abs(), "%").limit(tolerance),
+    ];
+    if percent.abs() <= tolerance {
+        return out.pass(term.subject.as_str(), measured);
+    }
+    let name = term.name;
+    let message =
+        format!("`{name}` has {rate_hz:.2} Hz instead of {wanted_hz} Hz: {percent:+.0} %, tolerance {tolerance} %");
+    let help = if percent < 0.0 {
+        "find out what slows, drops or stops its messages"
+    } else {
+        "find out whether it is published twice, or set up with another rate"
+    };
+    let finding = Finding::warning(&term.subject, message, term.terms.place.clone())
+        .label("rate by the contract")
+        .detail("The rate is that of the log times, from the first message of the topic to the end of the recording.")
+        .help(format!("{help}; {MEANT}"))
+        .measured(measured)
+        .related(Place::of(bag.source, topic.stamps.first.as_ref()), "first message");
+    out.fail(finding);
+}
