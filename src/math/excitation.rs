@@ -103,25 +103,37 @@ impl Excitation {
     }
 }
 
-/// Rotations of a body one after the other, each as soon as it is large enough, rad in the axes of the body at its start, from
-/// `(seconds, world_from_body)`. What takes longer than `longest_s` is left out: a drift of the orientation is no rotation.
-pub fn motions(orientations: &[(f64, UnitQuaternion<f64>)], least_rad: f64, longest_s: f64) -> Vec<Vector3<f64>> {
-    let mut motions = Vec::new();
+/// A rotation of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyRotation {
+    /// Start and end, seconds.
+    pub span_s: [f64; 2],
+    /// Its rotation vector, rad, in the axes of the body at its start.
+    pub vector: Vector3<f64>,
+}
+
+/// Rotations of a body one after the other, each as soon as it is large enough, from `(seconds, world_from_body)`. What takes longer
+/// than `longest_s` is left out: a drift of the orientation is no rotation.
+pub fn rotations(orientations: &[(f64, UnitQuaternion<f64>)], least_rad: f64, longest_s: f64) -> Vec<BodyRotation> {
+    let mut rotations = Vec::new();
     let Some((mut from, rest)) = orientations.split_first() else {
-        return motions;
+        return rotations;
     };
     for to in rest {
-        let motion = (from.1.inverse() * to.1).scaled_axis();
+        let vector = (from.1.inverse() * to.1).scaled_axis();
         let is_late = to.0 - from.0 > longest_s;
-        let is_enough = motion.norm() >= least_rad;
+        let is_enough = vector.norm() >= least_rad;
         if is_enough && !is_late {
-            motions.push(motion);
+            rotations.push(BodyRotation {
+                span_s: [from.0, to.0],
+                vector,
+            });
         }
         if is_enough || is_late {
             from = to;
         }
     }
-    motions
+    rotations
 }
 
 /// `first_from_body` from angular velocities in the axes of the body, `(seconds, rad/s)`, by the mid-point rule.
@@ -247,10 +259,15 @@ mod tests {
         assert!(
             (orientations.last().unwrap().1.scaled_axis() - Vector3::y() * (5.0 - std::f64::consts::TAU)).norm() < 1e-9
         );
-        let found = motions(&orientations, TEN_DEG, 2.0);
+        let found = rotations(&orientations, TEN_DEG, 2.0);
         assert_eq!(found.len(), 28, "each after seven rows: 0.175 rad");
-        assert!(found.iter().all(|motion| (motion - Vector3::y() * 0.175).norm() < 1e-9));
-        assert!(motions(&orientations, TEN_DEG, 0.3).is_empty(), "too slow");
+        assert!(
+            found
+                .iter()
+                .all(|one| (one.vector - Vector3::y() * 0.175).norm() < 1e-9)
+        );
+        assert!((found[1].span_s[0] - 0.35).abs() < 1e-9 && (found[1].span_s[1] - 0.7).abs() < 1e-9);
+        assert!(rotations(&orientations, TEN_DEG, 0.3).is_empty(), "too slow");
     }
 
     #[test]
@@ -258,6 +275,6 @@ mod tests {
         assert_eq!(Excitation::of([]), None);
         assert_eq!(Excitation::of([Vector3::new(f64::NAN, 0.0, 0.0)]), None);
         assert!(Excitation::of([Vector3::zeros()]).unwrap().rotation.is_singular());
-        assert!(motions(&[], 0.1, 1.0).is_empty() && integrated([]).is_empty());
+        assert!(rotations(&[], 0.1, 1.0).is_empty() && integrated([]).is_empty());
     }
 }

@@ -20,6 +20,7 @@ use crate::verdict::{Acceptance, Explainer, Finding, Fix, Label, Measured, Place
 use crate::visible::{text, write_json};
 
 use super::assured::AssuranceRows;
+use super::fitness::FitnessRow;
 use super::place::{Locator, Spot};
 
 /// Name of the document's schema.
@@ -35,6 +36,7 @@ struct Document<'a> {
     explained: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
     assurance: Option<AssuranceRows<'a>>,
+    fitness: Vec<FitnessRow<'a>>,
     recordings: Vec<RecordingRow<'a>>,
     summary: Counts,
 }
@@ -204,7 +206,7 @@ struct PlaceKeys {
 }
 
 #[derive(Serialize)]
-struct Number<'a> {
+pub(super) struct Number<'a> {
     what: &'a str,
     value: Option<f64>,
     unit: &'a str,
@@ -275,6 +277,7 @@ pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde
         },
         required: run.unmet.iter().map(unmet).collect(),
         assurance: run.assurance.as_ref().map(AssuranceRows::of),
+        fitness: run.fitness.iter().map(FitnessRow::of).collect(),
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
     };
@@ -444,7 +447,7 @@ fn keys(spot: &Spot) -> PlaceKeys {
     }
 }
 
-fn number(measured: &Measured) -> Number<'_> {
+pub(super) fn number(measured: &Measured) -> Number<'_> {
     // Adding zero turns -0 into 0.
     let finite = |value: f64| value.is_finite().then_some(value + 0.0);
     Number {

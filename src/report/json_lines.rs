@@ -8,6 +8,7 @@ use crate::run::{FailOn, Run, RunUpdate};
 use crate::visible::json_line;
 
 use super::assured::AssuranceRows;
+use super::fitness::FitnessRow;
 use super::json;
 use super::place::Locator;
 
@@ -71,6 +72,9 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     }
     if let Some(assurance) = &run.assurance {
         line("assurance", AssuranceRows::of(assurance), &mut out)?;
+    }
+    for fitness in &run.fitness {
+        line("fitness", FitnessRow::of(fitness), &mut out)?;
     }
     line("summary", json::counts(&run.summary(fail_on)), &mut out)?;
     Ok(out)

@@ -5,6 +5,7 @@ mod assured;
 pub mod diff;
 pub mod explain;
 mod fingerprint;
+mod fitness;
 mod github;
 mod gitlab;
 mod html;

@@ -20,10 +20,10 @@ use crate::run::{FailOn, Run};
 use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
-use super::assured as trials;
 use super::place::Locator;
 use super::style::Ink;
 use super::text::{one_line, plural, wrap};
+use super::{assured as trials, fitness};
 use snippet::Painter;
 
 pub(super) use finding::{NumberText, measured_words, message_words};
@@ -95,6 +95,7 @@ pub fn render(run: &Run, options: &Options) -> String {
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
     assured(run, options, &mut out);
+    fitness::section(run, options.style, &mut out);
     recordings::table(run, options.style, &mut out);
     explain(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
@@ -135,7 +136,12 @@ fn nothing_read(run: &Run, options: &Options) -> Option<String> {
         .problems
         .iter()
         .all(|problem| problem.place.at == SourcePart::Whole);
-    if options.verbose || only.status != ReadStatus::Unreadable || !is_plain || run.verdict.open().next().is_some() {
+    if options.verbose
+        || !run.fitness.is_empty()
+        || only.status != ReadStatus::Unreadable
+        || !is_plain
+        || run.verdict.open().next().is_some()
+    {
         return None;
     }
     let line = format!(
