@@ -9,7 +9,7 @@ use crate::verdict::{Measured, Verdict};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId};
 
-use super::conditions::{absent, by_rules, clocks, initial_guess, packets, rate, together};
+use super::conditions::{Absence, absent, by_rules, clocks, initial_guess, lidars, rate, together};
 use super::stamped::Stamped;
 use super::{Condition, Pair, best};
 
@@ -19,26 +19,27 @@ const LEAST_HZ: f64 = 1.0;
 /// Median distance of a cloud's stamp from the next image, seconds: a hand with a target moves by 5 cm.
 const MAX_APART_S: f64 = 0.1;
 /// Last parts of the topics of image_transport.
-const TRANSPORTS: [&str; 5] = ["compressed", "theora", "ffmpeg", "zstd", "compressedDepth"];
+const TRANSPORTS: [&str; 4] = ["compressed", "theora", "ffmpeg", "zstd"];
 
 pub(super) fn all(world: &Estimates, verdict: &Verdict) -> Vec<Pair> {
-    let clouds: Vec<Clouds> = Clouds::all(world).filter(Clouds::is_of_a_lidar).collect();
     let topics = world
         .bags
         .iter()
         .flat_map(|bag| bag.topics.values().map(move |topic| (bag, topic)));
     let images: Vec<(&BagEvidence, &TopicEvidence)> = topics.filter(|(_, topic)| is_of_a_camera(topic)).collect();
-    if clouds.is_empty() || images.is_empty() {
-        let lacks = match (packets(world), clouds.is_empty(), images.is_empty()) {
-            (Some(packets), true, _) => packets,
-            (None, true, true) => "neither clouds of a lidar nor images in the recording".to_owned(),
-            (None, true, false) => "no clouds of a lidar in the recording".to_owned(),
-            _ => "no images in the recording".to_owned(),
-        };
-        let asks = "images of a camera, and clouds of a lidar";
-        let record = "record the images with their camera_info, and the driver's clouds (sensor_msgs/PointCloud2)";
-        return vec![("streams".to_owned(), vec![absent(world, asks, &lacks, record)])];
-    }
+    let no_images = Absence {
+        lacks: "no images in the recording".to_owned(),
+        is_sure: true,
+    };
+    let clouds = match lidars(world) {
+        Ok(clouds) if !images.is_empty() => clouds,
+        other => {
+            let absence = other.err().unwrap_or(no_images);
+            let asks = "images of a camera, and clouds of a lidar";
+            let record = "record the images with their camera_info, and the driver's clouds (sensor_msgs/PointCloud2)";
+            return vec![absent(world, asks, &absence, record)];
+        }
+    };
     let each = images
         .iter()
         .filter_map(|image| best(clouds.iter().map(|clouds| pair(world, verdict, *image, clouds))));
@@ -47,7 +48,7 @@ pub(super) fn all(world: &Estimates, verdict: &Verdict) -> Vec<Pair> {
 
 /// Whether a topic has images that show a target: depths do not.
 fn is_of_a_camera(topic: &TopicEvidence) -> bool {
-    let is_depth = topic.words().iter().any(|word| word == "depth");
+    let is_depth = FrameId::new(&topic.topic).tokens().iter().any(|word| word == "depth");
     let forms = topic.content.images.iter().flat_map(|images| &images.forms);
     !is_depth && forms.into_iter().any(|form| form.encoding != "32FC1")
 }

@@ -9,7 +9,7 @@ use crate::verdict::{Judge, Measured, Outcome, Row, RuleCode, Severity, Verdict}
 use crate::world::{BagEvidence, FrameId};
 
 use super::stamped::Stamped;
-use super::{Condition, ConditionState};
+use super::{Condition, ConditionState, Pair};
 
 /// Numbers of rules that are shown with a condition.
 const MAX_MEASURED: usize = 4;
@@ -102,13 +102,14 @@ impl Condition {
 }
 
 /// The condition that streams are there, which are not: not evaluated if something of the recordings was not read.
-pub(super) fn absent(world: &Estimates, asks: &str, lacks: &str, record: &str) -> Condition {
-    let unread = world.bags.iter().find_map(unread);
-    match unread {
+pub(super) fn absent(world: &Estimates, asks: &str, absence: &Absence, record: &str) -> Pair {
+    let lacks = &absence.lacks;
+    let condition = match world.bags.iter().find_map(unread) {
         Some(why) => Condition::open("streams", asks, format!("{lacks}; {why}")),
-        None => Condition::judged("streams", asks, false).because(lacks),
-    }
-    .record(record)
+        None if absence.is_sure => Condition::judged("streams", asks, false).because(lacks),
+        None => Condition::open("streams", asks, lacks),
+    };
+    ("streams".to_owned(), vec![condition.record(record)])
 }
 
 /// What was not read of a recording.
@@ -129,11 +130,36 @@ fn unread(bag: &BagEvidence) -> Option<String> {
         .map(|share| format!("only {:.0} % of the messages were read", 100.0 * share))
 }
 
-/// That a recording holds packets of lidars, but no clouds.
-pub(super) fn packets(world: &Estimates) -> Option<String> {
+/// The raw clouds of lidars; or what is there instead, and whether that shows that there are none.
+pub(super) fn lidars<'w>(world: &'w Estimates) -> Result<Vec<Clouds<'w>>, Absence> {
+    let clouds: Vec<Clouds> = Clouds::all(world).filter(Clouds::is_of_a_lidar).collect();
+    if !clouds.is_empty() {
+        return Ok(clouds);
+    }
+    if let Some(other) = Clouds::all(world).next() {
+        let topic = &other.topic.topic;
+        let lacks = format!("`{topic}` is not recognised as raw points of a lidar by its fields, topic or frame");
+        return Err(Absence { lacks, is_sure: false });
+    }
     let mut out = Judge::default();
     Clouds::say_packets(world, "clouds", &mut out);
-    out.judged.into_iter().next()?.reason
+    let packets = out.judged.into_iter().next().and_then(|judged| judged.reason);
+    let lacks = packets.unwrap_or_else(|| match Clouds::lasers(world).next() {
+        Some(laser) => format!(
+            "no clouds of a lidar in the recording: `{}` has planar scans",
+            laser.topic.topic
+        ),
+        None => "no clouds of a lidar in the recording".to_owned(),
+    });
+    Err(Absence { lacks, is_sure: true })
+}
+
+/// What is missing.
+pub(super) struct Absence {
+    /// In words.
+    pub(super) lacks: String,
+    /// Whether it is known to be missing.
+    pub(super) is_sure: bool,
 }
 
 /// Whether two streams last long enough together.

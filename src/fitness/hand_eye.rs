@@ -3,7 +3,7 @@
 use nalgebra::UnitQuaternion;
 
 use crate::analysis::Estimates;
-use crate::analysis::motion::{Motion, Orientations, Stream};
+use crate::analysis::motion::{Motion, Orientations, Stream, edge_subject};
 use crate::analysis::names;
 use crate::math::excitation::{BodyRotation, rotations};
 use crate::math::stats::median;
@@ -12,7 +12,7 @@ use crate::verdict::{Measured, Verdict};
 use crate::world::BagEvidence;
 use crate::world::motion::PoseRow;
 
-use super::conditions::{absent, clocks, initial_guess, rate, together};
+use super::conditions::{Absence, absent, clocks, initial_guess, rate, together};
 use super::excited::{self, Body, LEAST_RAD};
 use super::stamped::Stamped;
 use super::{Condition, Pair, best};
@@ -40,7 +40,7 @@ pub(super) fn all(world: &Estimates, verdict: &Verdict) -> Vec<Pair> {
         let streams: Vec<&Stream<PoseRow>> = of
             .poses
             .iter()
-            .filter(|poses| is_of_a_body(poses))
+            .filter(|poses| is_of_a_body(bag, poses))
             .take(MAX_STREAMS)
             .collect();
         let pairs = streams
@@ -69,12 +69,12 @@ pub(super) fn all(world: &Estimates, verdict: &Verdict) -> Vec<Pair> {
     let asks = "poses of two bodies, each in a frame that does not move with them: topics, or moving transforms from a world frame";
     let record =
         "record the poses of both sensors: odometry of each by itself, or a tracker and the sensor's own poses";
-    vec![("streams".to_owned(), vec![absent(world, asks, &lacks, record)])]
+    vec![absent(world, asks, &Absence { lacks, is_sure: true }, record)]
 }
 
 /// Whether a stream may be the poses of a sensor: joints, plans and Earth-centred places are not.
-fn is_of_a_body(poses: &Stream<PoseRow>) -> bool {
-    let is_edge = poses.message_type.is_empty();
+fn is_of_a_body(bag: &BagEvidence, poses: &Stream<PoseRow>) -> bool {
+    let is_edge = bag.tf.iter().any(|edge| edge_subject(edge) == poses.subject);
     let oriented = Orientations::of(poses).runs.iter().map(Vec::len).sum::<usize>();
     oriented > 1
         && !poses.is_earth_centred()

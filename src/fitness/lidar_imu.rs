@@ -11,7 +11,7 @@ use crate::verdict::{Measured, Verdict};
 use crate::world::BagEvidence;
 use crate::world::motion::InertialRow;
 
-use super::conditions::{absent, by_rules, clocks, initial_guess, packets, rate, together};
+use super::conditions::{Absence, absent, by_rules, clocks, initial_guess, lidars, rate, together};
 use super::excited::{self, Body, LEAST_RAD};
 use super::stamped::Stamped;
 use super::{Condition, Pair, best};
@@ -42,17 +42,20 @@ pub(super) fn all(world: &Estimates, verdict: &Verdict) -> Vec<Pair> {
             .zip(&world.bags)
             .flat_map(|(of, bag)| of.imus.iter().map(move |imu| (bag, imu)))
     };
-    let clouds: Vec<Clouds> = Clouds::all(world).filter(Clouds::is_of_a_lidar).collect();
     let asks = "clouds of a lidar, and an inertial sensor with gyro and accelerometer";
-    if clouds.is_empty() || imus().next().is_none() {
-        let lacks = match (packets(world), clouds.is_empty()) {
-            (Some(packets), true) => packets,
-            (None, true) => "no clouds of a lidar in the recording".to_owned(),
-            _ => "no inertial sensor in the recording".to_owned(),
-        };
-        let record = "record the driver's clouds (sensor_msgs/PointCloud2) and the inertial sensor (sensor_msgs/Imu)";
-        return vec![("streams".to_owned(), vec![absent(world, asks, &lacks, record)])];
-    }
+    let no_imu = || Absence {
+        lacks: "no inertial sensor in the recording".to_owned(),
+        is_sure: true,
+    };
+    let clouds = lidars(world).and_then(|clouds| imus().next().map(|_| clouds).ok_or_else(no_imu));
+    let clouds = match clouds {
+        Ok(clouds) => clouds,
+        Err(absence) => {
+            let record =
+                "record the driver's clouds (sensor_msgs/PointCloud2) and the inertial sensor (sensor_msgs/Imu)";
+            return vec![absent(world, asks, &absence, record)];
+        }
+    };
     let each = clouds
         .iter()
         .filter_map(|clouds| best(imus().map(|(bag, imu)| pair(world, verdict, clouds, (bag, imu)))));

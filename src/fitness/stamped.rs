@@ -1,6 +1,6 @@
 //! A stream of a recording, with its span on the log clock and its rate.
 
-use crate::analysis::motion::Stream;
+use crate::analysis::motion::{Stream, edge_subject};
 use crate::world::BagEvidence;
 use crate::world::bag::TopicEvidence;
 use crate::world::motion::PoseRow;
@@ -40,11 +40,7 @@ impl Stamped {
 
     /// Of a stream of poses: a topic, or a moving transform.
     pub(super) fn of_poses(bag: &BagEvidence, poses: &Stream<PoseRow>) -> Self {
-        let edge = poses
-            .frame
-            .as_ref()
-            .zip(poses.child.as_ref())
-            .filter(|_| poses.message_type.is_empty());
+        let edge = bag.tf.iter().find(|edge| edge_subject(edge) == poses.subject);
         let whole = bag.topics.get(&poses.topic).filter(|_| edge.is_none()).map(Self::of);
         let start_s = bag.start_ns.unwrap_or_default() as f64 * 1e-9;
         let times = || poses.rows().map(|row| start_s + row.t_s);
@@ -56,7 +52,7 @@ impl Stamped {
             .collect();
         Self {
             stamps: match edge {
-                Some((parent, child)) => format!("TF `{parent}` from `{child}` on `{}`", poses.topic),
+                Some(edge) => format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
                 None => format!("topic `{}`", poses.topic),
             },
             subject: poses.subject.clone(),
