@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::analysis::Estimates;
 use crate::analysis::lidar::Clouds;
 use crate::source::Confidence;
-use crate::verdict::{Judge, Measured, Outcome, Row, RuleCode, Severity, Verdict};
+use crate::verdict::{Judge, Measured, NotEvaluated, Outcome, Row, RuleCode, Severity, Verdict};
 use crate::world::{BagEvidence, FrameId};
 
 use super::stamped::Stamped;
@@ -109,7 +109,7 @@ pub(super) fn absent(world: &Estimates, asks: &str, absence: &Absence, record: &
         None if absence.is_sure => Condition::judged("streams", asks, false).because(lacks),
         None => Condition::open("streams", asks, lacks),
     };
-    ("streams".to_owned(), vec![condition.record(record)])
+    ("the recording".to_owned(), vec![condition.record(record)])
 }
 
 /// What was not read of a recording.
@@ -143,14 +143,20 @@ pub(super) fn lidars<'w>(world: &'w Estimates) -> Result<Vec<Clouds<'w>>, Absenc
     }
     let mut out = Judge::default();
     Clouds::say_packets(world, "clouds", &mut out);
-    let packets = out.judged.into_iter().next().and_then(|judged| judged.reason);
-    let lacks = packets.unwrap_or_else(|| match Clouds::lasers(world).next() {
+    // Packets can be converted to clouds, which may suit.
+    if let Some(packets) = out.judged.into_iter().next().and_then(|judged| judged.reason) {
+        return Err(Absence {
+            lacks: packets.replacen(&format!("{}: ", NotEvaluated::MissingInput.word()), "", 1),
+            is_sure: false,
+        });
+    }
+    let lacks = match Clouds::lasers(world).next() {
         Some(laser) => format!(
             "no clouds of a lidar in the recording: `{}` has planar scans",
             laser.topic.topic
         ),
         None => "no clouds of a lidar in the recording".to_owned(),
-    });
+    };
     Err(Absence { lacks, is_sure: true })
 }
 

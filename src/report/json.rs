@@ -4,6 +4,7 @@
 //! columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or removing a key needs a new
 //! schema name.
 
+mod fitness;
 #[cfg(test)]
 mod tests;
 
@@ -20,8 +21,8 @@ use crate::verdict::{Acceptance, Explainer, Finding, Fix, Label, Measured, Place
 use crate::visible::{text, write_json};
 
 use super::assured::AssuranceRows;
-use super::fitness::FitnessRow;
 use super::place::{Locator, Spot};
+pub(super) use fitness::FitnessRow;
 
 /// Name of the document's schema.
 pub const SCHEMA: &str = "frames-lint/1";
@@ -206,7 +207,7 @@ struct PlaceKeys {
 }
 
 #[derive(Serialize)]
-pub(super) struct Number<'a> {
+struct Number<'a> {
     what: &'a str,
     value: Option<f64>,
     unit: &'a str,
@@ -447,7 +448,7 @@ fn keys(spot: &Spot) -> PlaceKeys {
     }
 }
 
-pub(super) fn number(measured: &Measured) -> Number<'_> {
+fn number(measured: &Measured) -> Number<'_> {
     // Adding zero turns -0 into 0.
     let finite = |value: f64| value.is_finite().then_some(value + 0.0);
     Number {

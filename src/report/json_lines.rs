@@ -8,7 +8,6 @@ use crate::run::{FailOn, Run, RunUpdate};
 use crate::visible::json_line;
 
 use super::assured::AssuranceRows;
-use super::fitness::FitnessRow;
 use super::json;
 use super::place::Locator;
 
@@ -74,7 +73,7 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
         line("assurance", AssuranceRows::of(assurance), &mut out)?;
     }
     for fitness in &run.fitness {
-        line("fitness", FitnessRow::of(fitness), &mut out)?;
+        line("fitness", json::FitnessRow::of(fitness), &mut out)?;
     }
     line("summary", json::counts(&run.summary(fail_on)), &mut out)?;
     Ok(out)

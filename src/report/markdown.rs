@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
+use crate::fitness::Condition;
 use crate::run::{FailOn, Run, VerdictWord};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Outcome};
 
-use super::fitness::{state, title, words};
+use super::fitness::{state, title};
 use super::place::Locator;
 use super::terminal::{measured_words, plain_ending, reasons};
 use super::text::{one_line, plural};
@@ -145,6 +146,21 @@ fn unmet(run: &Run, out: &mut String) {
         }
         let _ = writeln!(out, "- **{}** {}: {words}", unmet.rule, unmet.name);
     }
+}
+
+/// What is asked, what was measured, why, and what to record.
+fn words(condition: &Condition) -> String {
+    let mut words = condition.asks.clone();
+    for measured in &condition.measured {
+        let _ = write!(words, "; {}", measured_words(measured));
+    }
+    if let Some(reason) = &condition.reason {
+        let _ = write!(words, "; {reason}");
+    }
+    if let Some(record) = &condition.record {
+        let _ = write!(words, "; record or add: {record}");
+    }
+    words
 }
 
 fn fitness(run: &Run, out: &mut String) {

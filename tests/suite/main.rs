@@ -38,6 +38,7 @@ mod evidence;
 mod faults_motion;
 mod faults_placed;
 mod faults_shown;
+mod fitness;
 mod fixes;
 mod formats;
 mod foxglove;

@@ -4,6 +4,7 @@
 
 mod ending;
 mod finding;
+mod fitness;
 mod inputs;
 mod policy;
 mod recordings;
@@ -20,10 +21,10 @@ use crate::run::{FailOn, Run};
 use crate::source::{ReadStatus, SourcePart};
 
 use super::Style;
+use super::assured as trials;
 use super::place::Locator;
 use super::style::Ink;
 use super::text::{one_line, plural, wrap};
-use super::{assured as trials, fitness};
 use snippet::Painter;
 
 pub(super) use finding::{NumberText, measured_words, message_words};
