@@ -26,6 +26,7 @@ pub mod convert;
 pub mod engine;
 pub mod faults;
 pub mod files;
+pub mod fitness;
 pub mod fix;
 pub mod math;
 pub mod page;

@@ -13,6 +13,7 @@ pub mod drifting;
 pub mod earth_turns;
 pub mod effective;
 pub mod euler;
+pub mod excitation;
 pub mod geodesy;
 pub mod geoid;
 pub mod gravity;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::assure::Assurance;
+use crate::fitness::Fitness;
 use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::{Finding, KeptOutcomes, Outcome, Row, Severity, Verdict};
@@ -52,6 +53,8 @@ pub struct Run {
     pub recordings: Vec<Recording>,
     /// What became of known mistakes, if they were tried.
     pub assurance: Option<Assurance>,
+    /// Whether the recordings are fit for the calibrations that were asked for.
+    pub fitness: Vec<Fitness>,
     /// Which outcomes are kept.
     pub kept: KeptOutcomes,
 }
@@ -286,9 +289,14 @@ impl Run {
             };
             return Some(path + source.shortfall());
         }
-        let lacking: Vec<&str> = self.lacking().map(|unmet| unmet.rule.as_str()).collect();
+        let (unfit, lacking): (Vec<&UnmetRequirement>, Vec<_>) =
+            self.lacking().partition(|unmet| unmet.kind == RequirementKind::Fitness);
         if !lacking.is_empty() {
-            return Some(format!("required but not evaluated: {}", lacking.join(", ")));
+            let rules: Vec<&str> = lacking.iter().map(|unmet| unmet.rule.as_str()).collect();
+            return Some(format!("required but not evaluated: {}", rules.join(", ")));
+        }
+        if let Some(unmet) = unfit.first() {
+            return Some(format!("{} {}", unmet.rule, unmet.name));
         }
         (!self.verdict.judges_anything()).then(|| "nothing was checked".to_owned())
     }

@@ -12,18 +12,20 @@ use clap_complete::ArgValueCandidates;
 
 use crate::config::PROFILES;
 use crate::engine;
+use crate::fitness::Calibration;
 
 pub(super) use reading::ReadOptions;
 pub(super) use reporting::{Output, ReportOptions};
 
-use values::{Targets, is, mistakes, rules, selectors, size, verbs, xacro_arg};
+use values::{Targets, calibrations, is, mistakes, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
    0  clean: something was checked, and no finding is at or above --fail-on
    1  a finding at or above --fail-on; hints never count
    2  wrong command line or configuration
-   3  incomplete: an input was not read in full, a requirement is not met, or nothing was checked
+   3  incomplete: an input was not read in full, a requirement is not met, nothing was checked,
+      or a recording is not shown to be fit (--for)
   70  internal error: a bug in frames-lint";
 
 /// Linter and acceptance gate for the coordinate frames of robots
@@ -177,6 +179,11 @@ pub(super) struct Check {
     /// `frames-lint assure` shows all of them. Findings and exit code stay as they are.
     #[arg(long)]
     pub(super) assure: bool,
+    /// Also tell whether the recordings are fit for these calibrations, comma-separated; exit code 3 if not
+    ///
+    /// Recordings are read completely, unless --windows or --budget is given.
+    #[arg(long = "for", value_name = "CALIBRATION", value_delimiter = ',', value_parser = calibrations())]
+    pub(super) fit_for: Vec<Calibration>,
     /// Print the time spent on each input and rule to standard error
     #[arg(long)]
     pub(super) timings: bool,

@@ -30,10 +30,11 @@ pub(super) fn run(
     let fixing = check.fixing;
     // Fixes and baselines alter results after the check: a report can be streamed only without them.
     let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
-    let options = engine::Options {
+    let mut options = engine::Options {
         paths: paths_or_here(check.paths, &check.evidence, stdin)?,
         evidence: check.evidence,
         assure: check.assure.then(Selection::all),
+        fit_for: check.fit_for,
         config: check.config,
         profile: check.profile,
         baseline: check.baseline,
@@ -66,6 +67,9 @@ pub(super) fn run(
         },
         ..check.reading.options(Vec::new(), surroundings)
     };
+    // What a sample does not show may be in the rest.
+    let extent = &mut options.extent;
+    extent.full |= !options.fit_for.is_empty() && extent.windows.is_none() && extent.budget.is_none();
     if let Some(file) = &check.show_settings {
         let settings = engine::settings_of(&options, file)?.into_iter();
         let lines: Vec<String> = settings.map(|(name, value)| format!("{name:<13}  {value}\n")).collect();

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::engine;
-use crate::faults::catalogue;
+use crate::faults::Selection;
 use crate::files::Outputs;
 use crate::report::init;
 
@@ -37,7 +37,10 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
             ..Outputs::default()
         },
         verdicts: engine::VerdictScope::One,
-        assure: init.from.is_some().then(|| catalogue().collect()),
+        assure: init.from.is_some().then(|| Selection {
+            sizes: Vec::new(),
+            ..Selection::all()
+        }),
         ..init.reading.options(inputs, surroundings)
     })?;
     let good = init.from.as_deref();

@@ -4,6 +4,7 @@ mod assured;
 mod contract;
 mod enabled;
 pub mod evidence;
+mod fitted;
 mod gather;
 mod governed;
 mod hash;
@@ -192,9 +193,11 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let seen = setup.seen(&worlds);
     let mut assured = setup.assure(&worlds);
+    let fitness = setup.fitness(&worlds, &verdicts);
     let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
     plan.note(&mut run.sources);
     run.seen = seen;
+    run.fitness = fitness;
     run.worlds = worlds;
     for saved in saved {
         verdicts.extend(add_saved(setup, saved, several, (&mut run, &mut labels, &mut assured)));
@@ -203,7 +206,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<
         run.platforms = labels;
     }
     let policy = RunPolicy::new(setup.options, &setup.governed, &mut run.sources)?;
-    let (verdict, applied) = policy.apply(
+    let (verdict, mut applied) = policy.apply(
         verdicts,
         (&run.sources, &run.platforms),
         Some(&RequirementContext {
@@ -213,6 +216,11 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<
     );
     run.verdict = verdict;
     run.assure(assured.into_iter().map(|(_, assurance)| assurance));
+    run.fitness = setup.fitness_of_all(std::mem::take(&mut run.fitness));
+    if !several {
+        run.fitness.iter_mut().for_each(|one| one.platform.clear());
+    }
+    applied.lack(fitted::unfit(&run.fitness), None);
     policy.close(applied, &mut run);
     if run.kept.drops_inapplicable() {
         run.verdict.drop_rows(|row| !row.applies());
@@ -239,6 +247,7 @@ fn add_saved(
         .collect();
     run.seen.extend(setup.seen(&worlds));
     assured.extend(setup.assure(&worlds));
+    run.fitness.extend(setup.fitness(&worlds, &verdicts));
     labels.extend(worlds.into_iter().map(|world| world.label));
     let mut sources = Arc::unwrap_or_clone(sources);
     let renumber = IdShift::behind(0, run.sources.len());

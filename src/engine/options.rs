@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::config::ConfigError;
 use crate::faults::Selection;
 use crate::files::Outputs;
+use crate::fitness::Calibration;
 use crate::read::discover::FileSelection;
 use crate::read::xacro::ExpandOptions;
 use crate::run::FailOn;
@@ -54,6 +55,8 @@ pub struct Options {
     pub extent: Extent,
     /// Mistakes to try on everything that is judged; `None`: only those that the configuration requires to be found.
     pub assure: Option<Selection>,
+    /// Calibrations for which the recordings should be fit.
+    pub fit_for: Vec<Calibration>,
     /// The files that will be written.
     pub outputs: Outputs,
     /// Folders with message definitions, for recordings that contain none.

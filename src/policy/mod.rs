@@ -209,10 +209,15 @@ impl AppliedPolicy {
         let mut unmet = require::unmet((rows, beside), &policy.required, &mut self.applied, context);
         unmet.extend(detect::undetected(assured, &policy.detections));
         unmet.extend(policy.share.as_ref().and_then(|share| require::too_few(rows, share)));
-        for one in &mut unmet {
+        self.lack(unmet, recording);
+    }
+
+    /// Adds requirements that are not met. If they are of one of several recordings, `recording` is its label.
+    pub fn lack(&mut self, unmet: impl IntoIterator<Item = UnmetRequirement>, recording: Option<&str>) {
+        for mut one in unmet {
             one.recordings.extend(recording.map(str::to_owned));
+            self.unmet.push(one);
         }
-        self.unmet.extend(unmet);
     }
 
     /// Adds what was applied to another verdict of the same run: an acceptance is for both, and what is required of both and was

@@ -4,6 +4,7 @@
 //! columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or removing a key needs a new
 //! schema name.
 
+mod fitness;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ use crate::visible::{text, write_json};
 
 use super::assured::AssuranceRows;
 use super::place::{Locator, Spot};
+pub(super) use fitness::FitnessRow;
 
 /// Name of the document's schema.
 pub const SCHEMA: &str = "frames-lint/1";
@@ -35,6 +37,7 @@ struct Document<'a> {
     explained: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
     assurance: Option<AssuranceRows<'a>>,
+    fitness: Vec<FitnessRow<'a>>,
     recordings: Vec<RecordingRow<'a>>,
     summary: Counts,
 }
@@ -275,6 +278,7 @@ pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde
         },
         required: run.unmet.iter().map(unmet).collect(),
         assurance: run.assurance.as_ref().map(AssuranceRows::of),
+        fitness: run.fitness.iter().map(FitnessRow::of).collect(),
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
     };

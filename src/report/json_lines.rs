@@ -72,6 +72,9 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
     if let Some(assurance) = &run.assurance {
         line("assurance", AssuranceRows::of(assurance), &mut out)?;
     }
+    for fitness in &run.fitness {
+        line("fitness", json::FitnessRow::of(fitness), &mut out)?;
+    }
     line("summary", json::counts(&run.summary(fail_on)), &mut out)?;
     Ok(out)
 }

@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
+use crate::fitness::Condition;
 use crate::run::{FailOn, Run, VerdictWord};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Outcome};
 
+use super::fitness::{state, title};
 use super::place::Locator;
 use super::terminal::{measured_words, plain_ending, reasons};
 use super::text::{one_line, plural};
@@ -25,6 +27,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
     recordings(run, &mut out);
     table(run, &locator, &mut out);
     unmet(run, &mut out);
+    fitness(run, &mut out);
     let waived: Vec<&Finding> = run.verdict.waived().collect();
     if !waived.is_empty() {
         let _ = writeln!(
@@ -142,6 +145,40 @@ fn unmet(run: &Run, out: &mut String) {
             (None, None) => {}
         }
         let _ = writeln!(out, "- **{}** {}: {words}", unmet.rule, unmet.name);
+    }
+}
+
+/// What is asked, what was measured, why, and what to record.
+fn words(condition: &Condition) -> String {
+    let mut words = condition.asks.clone();
+    for measured in &condition.measured {
+        let _ = write!(words, "; {}", measured_words(measured));
+    }
+    if let Some(reason) = &condition.reason {
+        let _ = write!(words, "; {reason}");
+    }
+    if let Some(record) = &condition.record {
+        let _ = write!(words, "; record or add: {record}");
+    }
+    words
+}
+
+fn fitness(run: &Run, out: &mut String) {
+    for one in &run.fitness {
+        let _ = writeln!(
+            out,
+            "\n### {}\n\n| condition | | measured |\n|---|---|---|",
+            escaped(&title(one))
+        );
+        for condition in &one.conditions {
+            let name = escaped(condition.name);
+            let _ = writeln!(
+                out,
+                "| {name} | {} | {} |",
+                state(condition),
+                escaped(&words(condition))
+            );
+        }
     }
 }
 

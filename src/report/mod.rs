@@ -6,6 +6,7 @@ mod contract;
 pub mod diff;
 pub mod explain;
 mod fingerprint;
+mod fitness;
 mod github;
 mod gitlab;
 mod html;

@@ -1,5 +1,6 @@
 //! What the configuration requires of a run, and is not met.
 
+use crate::fitness::{Condition, Fitness, FitnessWord};
 use crate::verdict::Acceptance;
 
 /// What is required.
@@ -11,15 +12,17 @@ pub enum RequirementKind {
     Share,
     /// That a known mistake would be found.
     Detection,
+    /// That a recording is fit for a calibration.
+    Fitness,
 }
 
-/// A requirement that is not met: a rule that had to be evaluated and was not, too few evaluated checks, or a known mistake that would not
-/// have been found.
+/// A requirement that is not met: a rule that had to be evaluated and was not, too few evaluated checks, a known mistake that would not
+/// have been found, or a recording that is not shown to be fit for a calibration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnmetRequirement {
     /// What is required.
     pub kind: RequirementKind,
-    /// Code of the rule, or the name of the mistake; `share` if a share of the checks is required.
+    /// Code of the rule, the name of the mistake, or the kind of calibration; `share` if a share of the checks is required.
     pub rule: String,
     /// The name of the rule, or the sentence of the mistake.
     pub name: String,
@@ -41,6 +44,31 @@ pub struct UnmetRequirement {
 const MAX_NAMED: usize = 5;
 
 impl UnmetRequirement {
+    /// That this is not shown to be fit; `None` if it is.
+    pub fn of_fitness(fitness: &Fitness) -> Option<Self> {
+        let verdict = fitness.verdict();
+        let why = |condition: &Condition| {
+            let reason = condition.reason.as_deref().unwrap_or(condition.state.word());
+            format!("{}: {}: {reason}", fitness.subject, condition.name)
+        };
+        let mut record: Vec<&str> = fitness
+            .lacking()
+            .filter_map(|condition| condition.record.as_deref())
+            .collect();
+        record.dedup();
+        (verdict != FitnessWord::Fit).then(|| Self {
+            kind: RequirementKind::Fitness,
+            rule: fitness.calibration.word().to_owned(),
+            name: format!("calibration: {}", verdict.word()),
+            subject: None,
+            why: fitness.lacking().map(why).collect(),
+            record: (!record.is_empty()).then(|| record.join("; ")),
+            origin: "--for".to_owned(),
+            recordings: Vec::new(),
+            waived: None,
+        })
+    }
+
     /// Why it was not evaluated, and in which recordings, if there are several.
     pub fn reasons(&self) -> Vec<String> {
         let mut reasons = self.why.clone();
@@ -59,6 +87,7 @@ impl UnmetRequirement {
             RequirementKind::Share => "too few checks were evaluated".to_owned(),
             RequirementKind::Rule => format!("{} is required but was not evaluated", self.rule),
             RequirementKind::Detection => format!("the mistake {} would not have been found", self.rule),
+            RequirementKind::Fitness => format!("{} {}", self.rule, self.name),
         };
         format!("{what}: {}", self.reason())
     }

@@ -38,11 +38,17 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         // The catalogue of mistakes names relations and the rules that should see them.
         ("faults", &["source", "world", "verdict", "math", "tables"]),
         ("assure", &["source", "world", "verdict", "faults", "progress"]),
-        ("run", &["source", "world", "verdict", "page", "assure"]),
+        // What makes a recording fit, and what the rules say about it.
+        (
+            "fitness",
+            &["source", "world", "verdict", "math", "analysis", "advice", "rules"],
+        ),
+        ("run", &["source", "world", "verdict", "page", "assure", "fitness"]),
         (
             "report",
             &[
-                "source", "world", "verdict", "page", "run", "compare", "view", "tables", "visible", "assure", "faults",
+                "source", "world", "verdict", "page", "run", "compare", "view", "tables", "visible", "assure",
+                "faults", "fitness",
             ],
         ),
         ("compare", &["source", "world", "verdict", "run", "math", "tables"]),
@@ -62,7 +68,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "engine",
             &[
                 "source", "world", "verdict", "page", "rules", "analysis", "read", "collect", "config", "run",
-                "progress", "policy", "tables", "files", "visible", "assure", "faults",
+                "progress", "policy", "tables", "files", "visible", "assure", "faults", "fitness",
             ],
         ),
         ("convert", &["run", "world", "source", "tables", "math"]),
@@ -70,7 +76,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "cli",
             &[
                 "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
-                "view", "files", "visible", "faults",
+                "view", "files", "visible", "faults", "fitness",
             ],
         ),
     ])

@@ -39,6 +39,7 @@ mod evidence;
 mod faults_motion;
 mod faults_placed;
 mod faults_shown;
+mod fitness;
 mod fixes;
 mod formats;
 mod foxglove;

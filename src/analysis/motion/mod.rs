@@ -30,7 +30,7 @@ pub(crate) use compass::Compass;
 pub(crate) use convention::StreamConvention;
 pub(crate) use imu::Imu;
 
-pub(crate) use stream::{Stream, TimedRow};
+pub(crate) use stream::{Stream, TimedRow, edge_subject};
 pub(crate) use track::{Course, Track};
 pub(crate) use tracks::Tracks;
 pub(crate) use turned::Orientations;

@@ -10,11 +10,23 @@ use clap_complete::CompletionCandidate;
 use clap_complete::engine::{PathCompleter, ValueCompleter, complete_possible_values};
 
 use crate::faults::{SIZES, Selection, catalogue};
+use crate::fitness::Calibration;
 use crate::report::Format;
 use crate::rules::RULES;
 use crate::run::FailOn;
 
 use super::{Cli, Output};
+
+/// The kinds of calibration.
+pub(super) fn calibrations() -> impl TypedValueParser<Value = Calibration> {
+    let known = |word: String| {
+        Calibration::ALL
+            .into_iter()
+            .find(|kind| kind.word() == word)
+            .ok_or("unknown")
+    };
+    PossibleValuesParser::new(Calibration::ALL.map(Calibration::word)).try_map(known)
+}
 
 /// The codes of rules, for completion; their names where no code matches.
 pub(super) fn rules() -> Vec<CompletionCandidate> {

@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::assure::Assurance;
+use crate::fitness::Fitness;
 use crate::policy::AppliedPolicy;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
@@ -26,8 +27,8 @@ use super::evidence::SavedEvidence;
 use super::gather::source_id;
 use super::sessions::Sessions;
 use super::{
-    Declarations, IdShift, Member, Platforms, ReadContext, RequirementContext, RunPolicy, Setup, UsageError, judge,
-    parallel, sampling,
+    Declarations, IdShift, Member, Platforms, ReadContext, RequirementContext, RunPolicy, Setup, UsageError, fitted,
+    judge, parallel, sampling,
 };
 use latched::LatchedValues;
 use whole::RunBuilder;
@@ -159,6 +160,8 @@ struct Drive {
     covered: Vec<SourceId>,
     /// What became of known mistakes, by the indices of the configurations.
     assured: Vec<(usize, Assurance)>,
+    /// Whether it is fit for the calibrations that were asked for.
+    fitness: Vec<Fitness>,
     /// Data to compare with other recordings.
     left: Vec<(usize, Facts)>,
 }
@@ -233,12 +236,17 @@ impl JudgeContext<'_> {
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
         let assured = self.setup.assure(&worlds);
+        let mut fitness = self.setup.fitness_of_all(self.setup.fitness(&worlds, &verdicts));
+        for one in &mut fitness {
+            one.platform.clone_from(&label);
+        }
         let demanded = RequirementContext {
             beside: &self.beside(others),
             recording: Some(&label),
             assured: &assured,
         };
-        let (mut verdict, applied) = self.policy.apply(verdicts, (&sources, &platforms), Some(&demanded));
+        let (mut verdict, mut applied) = self.policy.apply(verdicts, (&sources, &platforms), Some(&demanded));
+        applied.lack(fitted::unfit(&fitness), Some(&label));
         verdict.sort();
         let covered: Vec<SourceId> = worlds.iter().flat_map(|world| world.members.iter().copied()).collect();
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
@@ -257,6 +265,7 @@ impl JudgeContext<'_> {
             applied,
             covered,
             assured,
+            fitness,
             left: Vec::new(),
         }
     }

@@ -98,6 +98,7 @@ impl<'a> RunBuilder<'a> {
         self.run.seen.extend(drive.seen);
         self.run
             .assure(drive.assured.into_iter().map(|(_, assurance)| assurance));
+        self.run.fitness.extend(drive.fitness);
         let verdict = self.of_files.once(drive.verdict, &platforms, &self.run.sources);
         self.run.platforms.extend(platforms);
         self.take(verdict, drive.applied, new, Some(drive.recording));

@@ -8,6 +8,7 @@
 mod assurance;
 mod checklist;
 mod findings;
+mod fitness;
 mod hashes;
 mod inputs;
 mod made;
@@ -99,6 +100,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
             "Known mistakes",
             run.assurance.as_ref().map(assurance::render),
         ),
+        ("fitness", "Fit for calibration", fitness::render(run)),
         ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
         ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),

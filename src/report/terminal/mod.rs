@@ -4,6 +4,7 @@
 
 mod ending;
 mod finding;
+mod fitness;
 mod inputs;
 mod policy;
 mod recordings;
@@ -95,6 +96,7 @@ pub fn render(run: &Run, options: &Options) -> String {
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
     assured(run, options, &mut out);
+    fitness::section(run, options.style, &mut out);
     recordings::table(run, options.style, &mut out);
     explain(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
@@ -136,7 +138,12 @@ fn nothing_read(run: &Run, options: &Options) -> Option<String> {
         .problems
         .iter()
         .all(|problem| problem.place.at == SourcePart::Whole);
-    if options.verbose || only.status != ReadStatus::Unreadable || !is_plain || run.verdict.open().next().is_some() {
+    if options.verbose
+        || !run.fitness.is_empty()
+        || only.status != ReadStatus::Unreadable
+        || !is_plain
+        || run.verdict.open().next().is_some()
+    {
         return None;
     }
     let line = format!(

@@ -47,7 +47,9 @@ pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut 
 
 /// Requirements that are not met: why, and what is needed.
 pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
-    let lacking: Vec<&UnmetRequirement> = run.lacking().collect();
+    // What is not fit has a section of its own.
+    let lacking = run.lacking().filter(|unmet| unmet.kind != RequirementKind::Fitness);
+    let lacking: Vec<&UnmetRequirement> = lacking.collect();
     if !lacking.is_empty() {
         heading(style, "Requirements not met", lacking.len(), "requirement", out);
         for unmet in lacking {
@@ -63,7 +65,7 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
         let key = |unmet: &UnmetRequirement| match unmet.kind {
             RequirementKind::Rule => Some("rule"),
             RequirementKind::Detection => Some("detects"),
-            RequirementKind::Share => None,
+            RequirementKind::Share | RequirementKind::Fitness => None,
         };
         if let Some((key, unmet)) = run.lacking().find_map(|unmet| Some((key(unmet)?, unmet))) {
             let words = format!(
