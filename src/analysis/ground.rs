@@ -3,6 +3,7 @@
 //! Owns the position of the search, and which of six sides is the ground. Must not judge.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher};
 use std::rc::Rc;
 
 use nalgebra::Vector3;
@@ -95,7 +96,7 @@ impl Planes {
                 .map(|clouds| {
                     let at = sensor_in_cloud(world, &clouds).unwrap_or_else(Vector3::zeros);
                     let key = (clouds.index, clouds.topic.topic.clone());
-                    (key, sides(&clouds, &at))
+                    (key, sides(world, &clouds, &at))
                 })
                 .collect(),
         })
@@ -139,14 +140,20 @@ pub(crate) fn sensor_in_cloud(world: &World, clouds: &Clouds) -> Option<Vector3<
 }
 
 /// The planes of each sampled cloud, searched from the sensor's position.
-pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Sides> {
+pub(crate) fn sides(world: &Estimates, clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Sides> {
     let samples = clouds.evidence.samples.iter();
     samples
         .map(|sample| {
             let step = sample.points.len().div_ceil(POINTS).max(1);
             let points = sample.points.iter().step_by(step);
             let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
-            SIDES.map(|(side, _)| support_plane(&points, &Vector3::from(side), &Options::default()))
+            let numbers = |hasher: &mut DefaultHasher| {
+                let numbers = points.iter().flat_map(|point| point.iter());
+                numbers.for_each(|number| hasher.write_u64(number.to_bits()));
+            };
+            *world.shared(numbers, || {
+                SIDES.map(|(side, _)| support_plane(&points, &Vector3::from(side), &Options::default()))
+            })
         })
         .collect()
 }

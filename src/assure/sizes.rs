@@ -139,6 +139,9 @@ type By = (String, String);
 
 impl Search<'_> {
     fn run(&self) -> Result<FoundSize, Miss> {
+        if self.is_unread() {
+            return Err(self.miss());
+        }
         let Some((whole, by)) = self.smallest() else {
             return Err(self.miss());
         };
@@ -161,6 +164,23 @@ impl Search<'_> {
             at_50_m: None,
             rule: by.0,
         })
+    }
+
+    /// Whether no row depends on it.
+    fn is_unread(&self) -> bool {
+        let healthy = self.base.healthy(self.fault.seen_by);
+        let [_, largest] = self.fault.range;
+        let is_same = |size: f64| {
+            let altered = self.judged(self.base, size);
+            altered.is_none_or(|altered| altered.rows == healthy.verdict.rows)
+        };
+        is_same(self.middle()) && is_same(largest)
+    }
+
+    /// The middle of the sizes, by their logarithms.
+    fn middle(&self) -> f64 {
+        let [smallest, largest] = self.fault.range;
+        (smallest * largest).sqrt()
     }
 
     /// A copy with the mistake, judged by the rules that should see it; none if nothing changes.
@@ -251,8 +271,7 @@ impl Search<'_> {
 
     /// Why no size is found: what the rules say of a mistake of a middle size.
     fn miss(&self) -> Miss {
-        let [smallest, largest] = self.fault.range;
-        let Some(altered) = self.judged(self.base, (smallest * largest).sqrt()) else {
+        let Some(altered) = self.judged(self.base, self.middle()) else {
             return Miss {
                 reason: "it changes nothing here".to_owned(),
                 record: self.fault.record.to_owned(),

@@ -62,7 +62,7 @@ fn help_version_pages_and_scripts_are_answers() {
         (&["--version"], env!("CARGO_PKG_VERSION")),
         (&["explain", "tree01"], "What it checks"),
         (&["explain", "orphan-subtree"], "What it checks"),
-        (&["rules"], "TREE01    orphan-subtree"),
+        (&["rules"], "TREE01      orphan-subtree"),
         (&["rules", "--format", "json"], "\"code\": \"TREE01\""),
         (&["rules", "--format", "markdown"], "| TREE01 | [orphan-subtree](https:"),
         (&["completions", "bash"], "-F _frames_lint frames-lint"),

@@ -46,7 +46,7 @@ fn holds(offered: &mut dyn FnMut(&str) -> Vec<String>) {
         ("frames-lint check --select TIME0", codes("TIME0")),
         (
             "frames-lint check --select=CO",
-            [words(&["CONFIG", "COV"]), codes("CO")].concat(),
+            [words(&["CONFIG", "CONTRACT", "COV"]), codes("CO")].concat(),
         ),
         ("frames-lint check --format js", words(&["json", "json-lines"])),
         ("frames-lint check --format=ju", words(&["junit"])),

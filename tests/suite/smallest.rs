@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 
 use frames_lint::assure::{SmallestError, assure};
 use frames_lint::engine::Rules;
@@ -14,6 +15,8 @@ use frames_lint::source::Confidence;
 use frames_lint::world::World;
 
 use crate::faults_motion::collected;
+use crate::support;
+use crate::support::program::run;
 
 /// A drive of this seed; the lidar's transform is wrong by a pitch and a yaw, degrees, and a height, metres; stamps of the IMU by seconds.
 fn drive(seed: u64, [pitch, yaw, z, late_s]: [f64; 4]) -> String {
@@ -162,4 +165,41 @@ fn half_of_a_stated_size_is_seldom_found_and_twice_of_it_nearly_always() {
         "{} of {tried}: {unfound:#?}",
         unfound.len()
     );
+}
+
+#[test]
+fn a_size_can_be_required() {
+    let folder = tempfile::tempdir().unwrap();
+    support::write(&drive(1, [0.0; 4]), &folder.path().join("drive.mcap"));
+    let check = |mistake: &str| {
+        let require = format!("require:\n  - {{subject: '*`lidar`*', detects: [{mistake}]}}\n");
+        fs::write(folder.path().join("frames-lint.yaml"), require).unwrap();
+        run(folder.path(), ["check", ".", "--format", "json"])
+    };
+    let met = check("{fault: z, smaller-than: 2 m}").report();
+    assert_eq!(met["required"].as_array().unwrap().len(), 0, "{}", met["required"]);
+    let unmet = check("{fault: z, smaller-than: 1 mm}").report();
+    let why = unmet["required"][0]["why"][0].as_str().unwrap();
+    assert!(
+        why.starts_with("only from 0.") && why.ends_with("0.001 m is required"),
+        "{why}"
+    );
+    let unseen = check("x").report();
+    let why = unseen["required"][0]["why"][0].as_str().unwrap();
+    assert!(
+        why.starts_with("no size would be found in mounting `base_link` from `lidar`"),
+        "{why}"
+    );
+    for (mistake, error) in [
+        ("{fault: yaw, smaller-than: 50 ms}", "has the unit deg"),
+        ("{fault: yaw, smaller-than: -3 deg}", "must be positive"),
+        ("{fault: imu-wxyz, smaller-than: 3 deg}", "has no size"),
+        ("{fault: yaw, smaler-than: 3 deg}", "smaler-than"),
+        ("{fault: yaw, smaller-than: much}", "expected a number with its unit"),
+        ("{smaller-than: 3 deg}", "`fault` is missing"),
+    ] {
+        let ran = check(mistake);
+        assert_eq!(ran.code, 2, "{mistake}");
+        assert!(ran.err.contains(error), "{mistake}: {}", ran.err);
+    }
 }

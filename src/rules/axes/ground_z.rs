@@ -1,7 +1,5 @@
 //! AXES09: height and tilt of the ground below a lidar.
 
-use std::rc::Rc;
-
 use nalgebra::{Isometry3, Vector3};
 
 use crate::analysis::ground::{Ground, Planes, SIDES};
@@ -56,11 +54,10 @@ impl Rule for GroundZ {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "ground", out);
         let up = world.limits::<crate::analysis::ground::Limits>();
-        let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("ground");
             match LidarMount::of(world, &clouds) {
-                Ok(over) => judge_over((&motion, &planes), &clouds, &over, (limits, &up), out),
+                Ok(over) => judge_over(world, &clouds, &over, (limits, &up), out),
                 Err((reason, why)) => out.not_evaluated(subject, reason, why),
             }
         }
@@ -150,19 +147,20 @@ fn expected(world: &World, base: &FrameId) -> Option<f64> {
 }
 
 fn judge_over(
-    (motion, planes): (&Rc<Motion>, &Planes),
+    world: &Estimates,
     clouds: &Clouds,
     over: &LidarMount,
     (limits, up): (&Limits, &crate::analysis::ground::Limits),
     out: &mut Judge,
 ) {
+    let (motion, planes) = (&Motion::of(world), Planes::of(world));
     let subject = clouds.subject("ground");
     let by_cloud = planes.grounds_by_cloud(clouds, &up.is_ground());
     let grounds: Vec<Ground> = by_cloud.iter().map(|(_, ground)| *ground).collect();
     let side = match up.agreed(clouds, &grounds) {
         Ok(side) => side,
         Err(why) => {
-            if let Some(finding) = applied_already(clouds, over, &subject, (limits, up)) {
+            if let Some(finding) = applied_already(world, clouds, over, &subject, (limits, up)) {
                 return out.fail(finding);
             }
             return out.too_little(subject, why);
@@ -284,6 +282,7 @@ fn off(clouds: &Clouds, over: &LidarMount, height: &Height, expected_m: f64, lim
 
 /// A finding, if the points show a ground at the height that it has once the extrinsic is applied.
 fn applied_already(
+    world: &Estimates,
     clouds: &Clouds,
     over: &LidarMount,
     subject: &str,
@@ -293,7 +292,7 @@ fn applied_already(
     if over.is_base || stated_m < limits.min_height_m {
         return None;
     }
-    let sides = ground::sides(clouds, &over.sensor);
+    let sides = ground::sides(world, clouds, &over.sensor);
     let grounds: Vec<Ground> = sides
         .iter()
         .filter_map(|sides| ground::ground(sides, &up.is_ground()))
