@@ -47,12 +47,15 @@ impl Miss {
                 (Outcome::Pass, Some(other)) => {
                     let lack = other.reason.as_deref().unwrap_or_default();
                     format!(
-                        "{} has what it needs; {} may show it, and says: {lack}",
+                        "more of the same does not help {}; {} may show it, and says: {lack}",
                         row.rule, other.rule
                     )
                 }
                 (Outcome::Pass, None) => {
-                    format!("{} has what it needs; another rule may show it with {record}", row.rule)
+                    format!(
+                        "more of the same does not help {}; another rule may show it with {record}",
+                        row.rule
+                    )
                 }
                 _ => record.to_owned(),
             },

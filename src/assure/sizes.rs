@@ -37,15 +37,17 @@ pub struct SmallestError {
     pub found: Result<FoundSize, Miss>,
 }
 
-/// A size at which a mistake is found, with either sign. Sizes are in the unit of the mistake.
+/// A size at which a mistake is found. Sizes are in the unit of the mistake.
 #[derive(Clone, Debug)]
 pub struct FoundSize {
     /// The rule with the finding.
     pub rule: String,
-    /// Found with a probability of 80 %.
+    /// Found with a probability of 80 %, whichever sign it has.
     pub size: f64,
     /// Found with a probability of 5 %, and of 95 %; `None` where the rule does not judge without some part of the drive.
     pub range: Option<[f64; 2]>,
+    /// Found with a probability of 80 %, if it is positive and if it is negative.
+    pub by_sign: [f64; 2],
     /// By the limit of the rule and what it measured, where it compares a value of this unit: limit, value, and 0.84 of its spread.
     pub by_limit: Option<f64>,
     /// What it means for a point at 50 m, metres.
@@ -67,16 +69,24 @@ pub(super) fn smallest(
     let found: Vec<_> = searches
         .into_par_iter()
         .map(|(fault, subject)| {
-            let search = Search {
-                base,
-                parts: &parts,
-                fault,
-                subject: &subject,
+            let of_sign = |sign: f64| {
+                let search = Search {
+                    base,
+                    parts: &parts,
+                    fault,
+                    subject: &subject,
+                    sign,
+                };
+                search.run()
             };
-            let found = search.run().map(|found| FoundSize {
-                at_50_m: fault.at_50_m(found.size, pace),
-                ..found
-            });
+            let found = match [1.0, -1.0].map(of_sign) {
+                [Ok(a), Ok(b)] => Ok(FoundSize {
+                    by_sign: [a.size, b.size],
+                    at_50_m: fault.at_50_m(a.size.max(b.size), pace),
+                    ..if a.size >= b.size { a } else { b }
+                }),
+                [Err(miss), _] | [_, Err(miss)] => Err(miss),
+            };
             step();
             (fault, subject, found)
         })
@@ -132,6 +142,8 @@ struct Search<'s> {
     parts: &'s [Base<'s>],
     fault: &'static SizedFault,
     subject: &'s Subject,
+    /// The sign of the sizes.
+    sign: f64,
 }
 
 /// The rule and the subject of a finding.
@@ -162,6 +174,7 @@ impl Search<'_> {
             range: deviation.map(|deviation| [(whole - Z_95 * deviation).max(0.0), whole + Z_95 * deviation]),
             by_limit: self.by_limit(&by),
             at_50_m: None,
+            by_sign: [whole; 2],
             rule: by.0,
         })
     }
@@ -186,24 +199,20 @@ impl Search<'_> {
     /// A copy with the mistake, judged by the rules that should see it; none if nothing changes.
     fn judged(&self, base: &Base, size: f64) -> Option<Verdict> {
         let mut world: World = base.world.clone();
-        if !self.fault.apply(&mut world, self.subject, size) {
+        if !self.fault.apply(&mut world, self.subject, self.sign * size) {
             return None;
         }
         world.forget();
         Some(base.judge(&world, self.fault.seen_by))
     }
 
-    /// What finds the mistake with this size, whichever sign it has: any rule, or this one.
+    /// What finds the mistake with this size: any rule, or this one.
     fn found(&self, base: &Base, size: f64, rule: Option<&str>) -> Option<By> {
+        let altered = self.judged(base, size)?;
         let healthy = base.healthy(self.fault.seen_by);
-        let mut by = None;
-        for signed in [size, -size] {
-            let altered = self.judged(base, signed)?;
-            let mut new = healthy.new_in(&altered).into_iter();
-            let finding = new.find(|finding| rule.is_none_or(|rule| finding.rule == rule))?;
-            by = Some((finding.rule.clone(), finding.subject.clone()));
-        }
-        by
+        let mut new = healthy.new_in(&altered).into_iter();
+        let finding = new.find(|finding| rule.is_none_or(|rule| finding.rule == rule))?;
+        Some((finding.rule.clone(), finding.subject.clone()))
     }
 
     /// The smallest size that is found in the whole drive, as is twice that size.

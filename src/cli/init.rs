@@ -39,6 +39,8 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
         verdicts: engine::VerdictScope::One,
         assure: init.from.is_some().then(|| Selection {
             sizes: Vec::new(),
+            // What the good drive shows by a hair, the next one may not.
+            is_steady: true,
             ..Selection::all()
         }),
         ..init.reading.options(inputs, surroundings)

@@ -165,6 +165,8 @@ pub struct Selection {
     pub faults: Vec<&'static Fault>,
     /// Those with a size, in their order.
     pub sizes: Vec<&'static SizedFault>,
+    /// Whether a mistake must be found without some part of the drive as well.
+    pub is_steady: bool,
 }
 
 impl Selection {
@@ -173,20 +175,29 @@ impl Selection {
         Self {
             faults: catalogue().collect(),
             sizes: SIZED_FAULTS.iter().collect(),
+            is_steady: false,
         }
     }
 
     /// Those with these names or of these families.
     pub fn of(words: &[&str]) -> Self {
-        let Self { mut faults, mut sizes } = Self::all();
+        let Self {
+            mut faults,
+            mut sizes,
+            is_steady,
+        } = Self::all();
         faults.retain(|fault| words.iter().any(|word| fault.is_called(word)));
         sizes.retain(|fault| words.iter().any(|word| fault.is_called(word)));
-        Self { faults, sizes }
+        Self {
+            faults,
+            sizes,
+            is_steady,
+        }
     }
 
     /// Every name and family, in a fixed order.
     pub fn words() -> Vec<&'static str> {
-        let Self { faults, sizes } = Self::all();
+        let Self { faults, sizes, .. } = Self::all();
         let of_faults = faults.iter().flat_map(|fault| [fault.name, fault.family.word()]);
         let of_sizes = sizes.iter().flat_map(|fault| [fault.name, SIZES]);
         of_faults.chain(of_sizes).collect()

@@ -160,11 +160,11 @@ pub static SIZED_FAULTS: &[SizedFault] = &[
     ),
     SizedFault {
         name: "time-offset",
-        sentence: "The stamps of one of two streams are later than its measurements.",
+        sentence: "The stamps of one of two streams are later than its measurements, or earlier.",
         unit: "s",
         range: [0.001, 10.0],
         is_between_two: true,
-        change: |s| Box::new(StampChange::Ahead(s)),
+        change: |s| Box::new(StampChange::Offset(s)),
         seen_by: Seers(&["TIME09", "TIME02", "TIME01", "TIME10"]),
         record: "a minute of driving with turns and changes of speed, with both streams",
     },
@@ -191,7 +191,7 @@ pub static SIZED_FAULTS: &[SizedFault] = &[
 ];
 
 /// Degrees.
-const ANGLES: [f64; 2] = [0.05, 60.0];
+const ANGLES: [f64; 2] = [0.05, 180.0];
 /// Metres.
 const LENGTHS: [f64; 2] = [0.002, 5.0];
 

@@ -5,7 +5,7 @@ use crate::analysis::camera::published::{RecordedCamera, namespace};
 use crate::analysis::lidar::Clouds;
 use crate::math::stats::median;
 use crate::rules::codes;
-use crate::verdict::{Measured, Verdict};
+use crate::verdict::{Measured, Severity, Verdict};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId};
 
@@ -158,7 +158,7 @@ fn intrinsics(world: &Estimates, verdict: &Verdict, bag: &BagEvidence, image: &T
     by_rules(
         verdict,
         (name, asks),
-        &[codes::CAMERA02],
+        (&[codes::CAMERA02], Severity::Warning),
         &subjects.each_ref().map(String::as_str),
     )
     .record(record)

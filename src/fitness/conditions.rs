@@ -217,7 +217,7 @@ pub(super) fn clocks(verdict: &Verdict, rules: &[RuleCode], streams: &[&Stamped]
     by_rules(
         verdict,
         ("clocks", "stamps in order and of one clock"),
-        rules,
+        (rules, Severity::Warning),
         &subjects,
     )
 }
@@ -241,12 +241,12 @@ pub(super) fn initial_guess(world: &Estimates, frames: [Option<&FrameId>; 2]) ->
         .beside()
 }
 
-/// What rules say about subjects: not met if one has a finding that is no hint and no note, met if each subject passed at least one. A
-/// note does not hinder; a hint says nothing.
+/// What rules say about subjects: not met if one has a finding of at least this severity, met if each subject passed at least one. A
+/// finding that is less does not hinder; a hint says nothing.
 pub(super) fn by_rules(
     verdict: &Verdict,
     (name, asks): (&'static str, &str),
-    rules: &[RuleCode],
+    (rules, least): (&[RuleCode], Severity),
     subjects: &[&str],
 ) -> Condition {
     let is_of = |row: &&Row| rules.iter().any(|rule| *row.rule == *rule.as_str());
@@ -262,7 +262,7 @@ pub(super) fn by_rules(
             finding.rule == *rule && finding.subject == subject && finding.confidence > Confidence::Hint
         })
     };
-    let finding = |row: &Row| findings(row).find(|finding| finding.severity > Severity::Note);
+    let finding = |row: &Row| findings(row).find(|finding| finding.severity >= least);
     let mut wrong = subjects.iter().flat_map(|subject| about(subject));
     if let Some(finding) = wrong.find_map(finding) {
         let condition = Condition::judged(name, asks, false).because(format!("{}: {}", finding.rule, finding.message));

@@ -6,15 +6,16 @@ use crate::analysis::Estimates;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion, TimedRow};
 use crate::math::excitation::{BodyRotation, integrated, rotations};
+use crate::math::stats::median;
 use crate::rules::codes;
-use crate::verdict::{Measured, Verdict};
+use crate::verdict::{Measured, Severity, Verdict};
 use crate::world::BagEvidence;
 use crate::world::motion::InertialRow;
 
 use super::conditions::{Absence, absent, by_rules, clocks, initial_guess, lidars, rate, together};
 use super::excited::{self, Body, LEAST_RAD};
 use super::stamped::Stamped;
-use super::{Condition, Pair, best};
+use super::{Condition, ConditionState, Pair, best};
 
 /// Time that both must be recorded, seconds.
 const LEAST_S: f64 = 20.0;
@@ -72,7 +73,7 @@ fn pair(world: &Estimates, verdict: &Verdict, clouds: &Clouds, (bag, imu): (&Bag
     };
     let record = format!("record both together for {LEAST_S} s or more");
     let parts = parts(bag, imu);
-    let is_whole = parts.state == super::ConditionState::Met;
+    let is_whole = parts.state == ConditionState::Met;
     let mut conditions = vec![
         parts,
         together([&points, &inertial], LEAST_S, &record),
@@ -83,25 +84,21 @@ fn pair(world: &Estimates, verdict: &Verdict, clouds: &Clouds, (bag, imu): (&Bag
             &[codes::TIME02, codes::TIME03, codes::TIME04, codes::TIME09],
             &[&points, &inertial],
         ),
-        by_rules(
-            verdict,
-            (
-                "times of points",
-                "each point has a time, in a known unit: without them the motion distorts each cloud",
-            ),
-            &[codes::TIME05, codes::TIME06, codes::TIME08],
-            &[&points.subject],
-        ),
+        times_of_points(verdict, &points.subject),
         by_rules(
             verdict,
             ("units", "m/s^2 with gravity, and rad/s"),
-            &[codes::AXES02],
-            &[&inertial.subject],
+            (&[codes::AXES02], Severity::Warning),
+            &[
+                &format!("acceleration of {}", inertial.subject),
+                &format!("angular velocity of {}", inertial.subject),
+            ],
         ),
     ];
     if is_whole {
+        let bias = bias(imu);
         let turned: Vec<BodyRotation> = runs(imu)
-            .flat_map(|run| rotations(&turned(run), LEAST_RAD, LONGEST_S))
+            .flat_map(|run| rotations(&turned(run, bias), LEAST_RAD, LONGEST_S))
             .collect();
         conditions.extend(excited::conditions(bag, &turned, &body(imu), MOVE));
         conditions.push(accelerations(bag, imu));
@@ -111,6 +108,20 @@ fn pair(world: &Estimates, verdict: &Verdict, clouds: &Clouds, (bag, imu): (&Bag
         [clouds.frame().as_ref(), imu.stream.frame.as_ref()],
     ));
     (format!("{} and {}", points.subject, imu.stream.subject), conditions)
+}
+
+/// Whether points have times. For a map, clouds without them are worth a note; here they are useless.
+fn times_of_points(verdict: &Verdict, subject: &str) -> Condition {
+    let words = (
+        "times of points",
+        "each point has a time, in a known unit: without them the motion distorts each cloud",
+    );
+    let there = by_rules(verdict, words, (&[codes::TIME05], Severity::Note), &[subject]);
+    if there.state != ConditionState::Met {
+        return there;
+    }
+    let rules = [codes::TIME05, codes::TIME06, codes::TIME08];
+    by_rules(verdict, words, (&rules, Severity::Warning), &[subject])
 }
 
 /// Whether it has both a gyro and an accelerometer.
@@ -147,10 +158,23 @@ fn runs(imu: &Imu) -> impl Iterator<Item = &[TimedRow<InertialRow>]> {
         .flat_map(move |stretch| stretch.chunk_by(near))
 }
 
-fn turned(run: &[TimedRow<InertialRow>]) -> Vec<(f64, UnitQuaternion<f64>)> {
+/// The median rate about each axis, rad/s: the bias of a gyro that rotates now and then. A steady rotation would be taken for one, and shows
+/// no second axis.
+fn bias(imu: &Imu) -> Vector3<f64> {
+    let of = |axis: usize| {
+        let rates = imu
+            .stream
+            .rows()
+            .filter_map(|timed| timed.row.angular_velocity.get(axis).copied());
+        median(&rates.filter(|rate| rate.is_finite()).collect::<Vec<_>>()).unwrap_or_default()
+    };
+    Vector3::new(of(0), of(1), of(2))
+}
+
+fn turned(run: &[TimedRow<InertialRow>], bias: Vector3<f64>) -> Vec<(f64, UnitQuaternion<f64>)> {
     let rates = run
         .iter()
-        .map(|timed| (timed.t_s, Vector3::from(timed.row.angular_velocity)));
+        .map(|timed| (timed.t_s, Vector3::from(timed.row.angular_velocity) - bias));
     integrated(rates.filter(|(_, rate)| rate.norm().is_finite()))
 }
 
@@ -191,7 +215,7 @@ fn accelerations(bag: &BagEvidence, imu: &Imu) -> Condition {
 
 /// The deviation of the force from its mean, in the axes of the window's start, m/s^2.
 fn deviation(window: &[TimedRow<InertialRow>]) -> Option<f64> {
-    let turned = turned(window);
+    let turned = turned(window, Vector3::zeros());
     let forces = window.iter().map(|timed| Vector3::from(timed.row.linear_acceleration));
     let forces: Vec<Vector3<f64>> = (turned.len() == window.len()).then(|| {
         turned

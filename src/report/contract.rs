@@ -158,9 +158,12 @@ fn families(names: &BTreeSet<&str>) -> Vec<Vec<&'static str>> {
             partial.insert(fault.family);
         }
     }
-    let words = |(family, names): (Family, Vec<&'static str>)| match partial.contains(&family) {
-        true => names,
-        false => vec![family.word()],
+    let words = |(family, names): (Family, Vec<&'static str>)| {
+        if partial.contains(&family) {
+            names
+        } else {
+            vec![family.word()]
+        }
     };
     families.into_iter().map(words).collect()
 }

@@ -12,6 +12,9 @@ use super::text::{list, number, one_line, wrap};
 /// Significant digits of a size.
 const DIGITS: usize = 2;
 
+/// Sizes of both signs that differ by less than this factor are the same.
+const OTHER: f64 = 1.2;
+
 /// The title of their section.
 pub(super) const TITLE: &str = "The smallest errors that would have been found, with a probability of 80 %";
 
@@ -25,6 +28,9 @@ pub(super) struct OfSubject<'a> {
 /// Errors that would not have been found at any size, for one reason.
 pub(super) struct Unseen<'a> {
     pub(super) names: Vec<String>,
+    /// The largest size that was tried, and its unit.
+    pub(super) largest: f64,
+    pub(super) unit: &'static str,
     pub(super) miss: &'a Miss,
 }
 
@@ -60,11 +66,14 @@ impl<'a> OfSubject<'a> {
             Err(miss) => miss,
         };
         let name = error.fault.name.to_owned();
+        let [_, largest] = error.fault.range;
         let mut known = self.unseen.iter_mut();
-        match known.find(|unseen| unseen.miss == miss) {
+        match known.find(|unseen| unseen.miss == miss && unseen.unit == error.fault.unit) {
             Some(unseen) => unseen.names.push(name),
             None => self.unseen.push(Unseen {
                 names: vec![name],
+                largest,
+                unit: error.fault.unit,
                 miss,
             }),
         }
@@ -74,6 +83,20 @@ impl<'a> OfSubject<'a> {
 /// The size with its unit.
 pub(super) fn size(error: &SmallestError, found: &FoundSize) -> String {
     format!("{} {}", number(found.size, DIGITS), error.fault.unit)
+}
+
+/// The size of the other sign, where it differs.
+pub(super) fn other_sign(error: &SmallestError, found: &FoundSize) -> String {
+    let [positive, negative] = found.by_sign;
+    if positive.min(negative) * OTHER > positive.max(negative) {
+        return String::new();
+    }
+    let (sign, size) = if positive < negative {
+        ('+', positive)
+    } else {
+        ('-', negative)
+    };
+    format!("{sign}{} {}", number(size, DIGITS), error.fault.unit)
 }
 
 /// Where a size lies, with a probability of 90 %.
@@ -109,6 +132,10 @@ pub(super) fn section(smallest: &[SmallestError], style: Style, out: &mut String
             if !range.is_empty() {
                 let _ = write!(text, " ({range})");
             }
+            let other = other_sign(error, found);
+            if !other.is_empty() {
+                let _ = write!(text, " ({other} is enough)");
+            }
             let at_50_m = at_50_m(found);
             if !at_50_m.is_empty() && error.fault.unit != "m" {
                 let _ = write!(text, ", {at_50_m} at 50 m");
@@ -116,7 +143,12 @@ pub(super) fn section(smallest: &[SmallestError], style: Style, out: &mut String
             line(&format!("{text}, by {}", found.rule));
         }
         for unseen in &of_subject.unseen {
-            line(&format!("{}: at no size", list(&unseen.names)));
+            line(&format!(
+                "{}: at no size up to {} {}",
+                list(&unseen.names),
+                unseen.largest,
+                unseen.unit
+            ));
             line(&format!("  why: {}", unseen.miss.reason));
             line(&format!("  record or add: {}", unseen.miss.record));
         }
@@ -133,6 +165,8 @@ pub(super) struct SmallestRow<'a> {
     subject: &'a str,
     rule: Option<&'a str>,
     smallest: Option<f64>,
+    smallest_positive: Option<f64>,
+    smallest_negative: Option<f64>,
     low: Option<f64>,
     high: Option<f64>,
     by_limit: Option<f64>,
@@ -152,6 +186,8 @@ impl<'a> SmallestRow<'a> {
             subject: &error.subject,
             rule: found.map(|found| found.rule.as_str()),
             smallest: found.map(|found| found.size),
+            smallest_positive: found.map(|found| found.by_sign[0]),
+            smallest_negative: found.map(|found| found.by_sign[1]),
             low: range.map(|[low, _]| low),
             high: range.map(|[_, high]| high),
             by_limit: found.and_then(|found| found.by_limit),

@@ -409,7 +409,10 @@ fn the_list_has_every_mistake_and_a_family_selects() {
     let text = String::from_utf8(run(root(), ["assure", "--list", "--select", "statement"]).out).unwrap();
     let count = catalogue().filter(|fault| fault.family == Family::Statement).count();
     assert!(
-        text.contains(&format!("\n{count} mistakes of {}.", catalogue().count() + SIZED_FAULTS.len())),
+        text.contains(&format!(
+            "\n{count} mistakes of {}.",
+            catalogue().count() + SIZED_FAULTS.len()
+        )),
         "{text}"
     );
 }

@@ -55,7 +55,7 @@ fn every_mistake_is_shown_by_some_rule() {
     let rules = Rules::select(&[]).unwrap();
     let selection = Selection {
         faults: catalogue().collect(),
-        sizes: Vec::new(),
+        ..Selection::default()
     };
     let worlds = [
         collected(DRIVE, None),

@@ -2,7 +2,7 @@
 //!
 //! `SMALLEST_SEEDS` is the number of drives (8); with 200 the shares are known well.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -131,13 +131,14 @@ fn half_of_a_stated_size_is_seldom_found_and_twice_of_it_nearly_always() {
                 unfound.push(format!("{seed}: {name}: {:?}", error.found));
                 continue;
             };
-            let sign = if seed % 2 == 0 { 1.0 } else { -1.0 };
+            let [positive, negative] = found.by_sign;
+            let signed = if seed % 2 == 0 { positive } else { -negative };
             let is_found = |size: f64| {
-                let altered = altered(&world, error.fault, word, sign * size);
+                let altered = altered(&world, error.fault, word, size);
                 u64::from(findings(&altered, &rules).difference(&healthy).next().is_some())
             };
             let [half, twice, all] = counts.entry(name).or_default();
-            let (of_half, of_twice) = (is_found(found.size / 2.0), is_found(found.size * 2.0));
+            let (of_half, of_twice) = (is_found(signed / 2.0), is_found(signed * 2.0));
             if of_half == 1 || of_twice == 0 {
                 eprintln!("seed {seed}: {name} {found:?}: half {of_half}, twice {of_twice}");
             }

@@ -53,7 +53,7 @@ pub(super) fn selectors() -> Vec<CompletionCandidate> {
 /// The known mistakes and their families, for completion.
 pub(super) fn mistakes() -> Vec<CompletionCandidate> {
     let families: BTreeSet<&str> = catalogue().map(|fault| fault.family.word()).chain([SIZES]).collect();
-    let Selection { faults, sizes } = Selection::all();
+    let Selection { faults, sizes, .. } = Selection::all();
     let faults = faults.iter().map(|fault| (fault.name, fault.sentence));
     let described = faults.chain(sizes.iter().map(|fault| (fault.name, fault.sentence)));
     let names = described.map(|(name, sentence)| CompletionCandidate::new(name).help(Some(sentence.into())));

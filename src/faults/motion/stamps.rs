@@ -23,6 +23,8 @@ pub(in crate::faults) enum StampChange {
     GpsEpoch,
     /// This many seconds more.
     Ahead(f64),
+    /// The same, for what shows small offsets: motion and clouds.
+    Offset(f64),
     /// Stamped on arrival, this many seconds after the measurement.
     OnArrival(f64),
     /// Not filled in.
@@ -53,7 +55,7 @@ impl Change for StampChange {
             Self::GpsTime => shift(topic, leap.gps_minus_utc_s(log_s), 0.0),
             Self::Tai => shift(topic, leap.tai_minus_utc_s(log_s), 0.0),
             Self::GpsEpoch => shift(topic, leap.gps_minus_utc_s(log_s) - GPS_EPOCH_S, 0.0),
-            Self::Ahead(seconds) => shift(topic, *seconds, 0.0),
+            Self::Ahead(seconds) | Self::Offset(seconds) => shift(topic, *seconds, 0.0),
             Self::OnArrival(seconds) => shift(topic, *seconds, *seconds),
             Self::Zero => clear(topic),
         }
@@ -67,6 +69,7 @@ impl StampChange {
         let is_small = match self {
             Self::Ahead(seconds) => seconds.abs() < 1.0,
             Self::OnArrival(_) => true,
+            Self::Offset(_) => topic.content.clouds.is_none(),
             Self::GpsTime | Self::Tai | Self::GpsEpoch | Self::Zero => false,
         };
         let has_stamps = topic.stamps.count > topic.stamps.zero;
