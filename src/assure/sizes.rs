@@ -79,14 +79,17 @@ pub(super) fn smallest(
                 };
                 search.run()
             };
-            let found = match [1.0, -1.0].map(of_sign) {
-                [Ok(a), Ok(b)] => Ok(FoundSize {
-                    by_sign: [a.size, b.size],
-                    at_50_m: fault.at_50_m(a.size.max(b.size), pace),
-                    ..if a.size >= b.size { a } else { b }
-                }),
-                [Err(miss), _] | [_, Err(miss)] => Err(miss),
-            };
+            // One sign that is found at no size decides.
+            let both = of_sign(1.0).and_then(|positive| Ok([positive, of_sign(-1.0)?]));
+            let found = both.map(|both| {
+                let by_sign = both.each_ref().map(|found| found.size);
+                let larger = larger(both);
+                FoundSize {
+                    by_sign,
+                    at_50_m: fault.at_50_m(larger.size, pace),
+                    ..larger
+                }
+            });
             step();
             (fault, subject, found)
         })
@@ -109,19 +112,18 @@ pub(super) fn smallest(
         };
         for (_, first, other) in of_two.iter().filter(is_beside) {
             let name = format!("{} and {}", first.name, subject.name);
-            all.push(error(fault, name, larger(other, &found)));
+            // It is found if it is found in either, whichever of the two has it.
+            let both = other.clone().and_then(|other| Ok([other, found.clone()?]));
+            all.push(error(fault, name, both.map(larger)));
         }
         of_two.push((fault, subject, found));
     }
     all
 }
 
-/// An error between two subjects is found if it is found in either, whichever of the two has it.
-fn larger(one: &Result<FoundSize, Miss>, other: &Result<FoundSize, Miss>) -> Result<FoundSize, Miss> {
-    match (one, other) {
-        (Ok(a), Ok(b)) => Ok(if a.size >= b.size { a.clone() } else { b.clone() }),
-        (Err(miss), _) | (_, Err(miss)) => Err(miss.clone()),
-    }
+/// The larger of two sizes, the first of equal ones.
+fn larger([a, b]: [FoundSize; 2]) -> FoundSize {
+    if a.size >= b.size { a } else { b }
 }
 
 /// The smallest size that is found, between one that is not and one that is.

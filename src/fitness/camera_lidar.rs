@@ -66,11 +66,7 @@ fn pair(world: &Estimates, verdict: &Verdict, (bag, image): (&BagEvidence, &Topi
     )
     .record("look at the images: hold the target still for a second at ten or more positions and tilts, near and far, in all parts of the image");
     let conditions = vec![
-        together(
-            [&seen, &points],
-            LEAST_S,
-            &format!("record both together for {LEAST_S} s or more"),
-        ),
+        together([&seen, &points], LEAST_S),
         rate(&seen, LEAST_HZ),
         rate(&points, LEAST_HZ),
         clocks(

@@ -169,7 +169,7 @@ pub(super) struct Absence {
 }
 
 /// Whether two streams last long enough together.
-pub(super) fn together([a, b]: [&Stamped; 2], least_s: f64, record: &str) -> Condition {
+pub(super) fn together([a, b]: [&Stamped; 2], least_s: f64) -> Condition {
     let (name, asks) = (
         "time together",
         format!("both at the same time for at least {least_s} s"),
@@ -191,7 +191,7 @@ pub(super) fn together([a, b]: [&Stamped; 2], least_s: f64, record: &str) -> Con
     Condition::judged(name, asks, seconds >= least_s)
         .measured(Measured::new("time together", seconds.max(0.0), "s").at_least(least_s))
         .because(reason)
-        .record(record)
+        .record(format!("record both together for {least_s} s or more"))
 }
 
 /// Whether a stream is fast enough.

@@ -106,11 +106,7 @@ fn pair(world: &Estimates, verdict: &Verdict, bag: &BagEvidence, [a, b]: [&Strea
         from_stream: UnitQuaternion::identity(),
     };
     let mut conditions = vec![
-        together(
-            [&first, &second],
-            LEAST_S,
-            &format!("record both together for {LEAST_S} s or more"),
-        ),
+        together([&first, &second], LEAST_S),
         rate(&first, LEAST_HZ),
         rate(&second, LEAST_HZ),
         clocks(

@@ -71,12 +71,11 @@ fn pair(world: &Estimates, verdict: &Verdict, clouds: &Clouds, (bag, imu): (&Bag
         let open = Condition::open("streams", "an inertial sensor", "its topic is not in the recording");
         return (imu.stream.subject.clone(), vec![open]);
     };
-    let record = format!("record both together for {LEAST_S} s or more");
     let parts = parts(bag, imu);
     let is_whole = parts.state == ConditionState::Met;
     let mut conditions = vec![
         parts,
-        together([&points, &inertial], LEAST_S, &record),
+        together([&points, &inertial], LEAST_S),
         rate(&points, LEAST_CLOUD_HZ),
         rate(&inertial, LEAST_IMU_HZ),
         clocks(

@@ -411,9 +411,9 @@ impl BagEvidence {
     }
 
     /// Messages of a topic per second of log time, from its first message to its last, or to the end of the recording if
-    /// that is many steps later: the least and the most that
-    /// it can be, equal where its first message is known. Steps between stamps are no rate: drivers send in bursts, or stop.
-    /// `None` for few messages, a short time, or an unknown count.
+    /// that is many steps later: the least and the most that it can be, equal where its first message is known. Steps
+    /// between stamps are no rate: drivers send in bursts, or stop. `None` for few messages, a short time, or an unknown
+    /// count.
     pub fn rate_hz(&self, topic: &TopicEvidence) -> Option<[f64; 2]> {
         let count = topic.total.or(self.share.whole.then_some(topic.count))?;
         let (start, end) = self.share.span_ns.or(self.start_ns.zip(self.end_ns))?;
