@@ -73,7 +73,7 @@ pub(crate) fn rule_of(aspect: Aspect) -> RuleCode {
         Aspect::Turn => codes::QUAT01,
         Aspect::Heading => codes::AXES04,
         Aspect::Sense => codes::AXES05,
-        Aspect::Push => codes::AXES06,
+        Aspect::Push | Aspect::Hand => codes::AXES06,
         Aspect::AngleOrder => codes::QUAT03,
         Aspect::Body => codes::AXES13,
     }

@@ -3,7 +3,7 @@
 //! Needs no match of scans: where one scan shows a few things only, many pairs of scans together still have one best yaw. Metres and
 //! radians in the plane of the ground. Which scans, and how the platform moved, is the caller's.
 
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::{Isometry2, Point2, Translation2, UnitComplex, Vector2};
 use rstar::RTree;
 
 use crate::math::circular::{circular_mean, difference};
@@ -31,7 +31,7 @@ pub struct Pair {
 /// The best yaw of a mounting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MountYaw {
-    /// The missing yaw of the mounting, counterclockwise, radians.
+    /// The yaw of `body_from_lidar`, radians.
     pub yaw_rad: f64,
     /// Its standard error, by leaving out a tenth of the pairs at a time, radians.
     pub sigma_rad: f64,
@@ -41,18 +41,25 @@ pub struct MountYaw {
     pub pairs: usize,
 }
 
-/// The missing yaw of `body_from_lidar`; `None` without pairs that have points.
-pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) -> Option<MountYaw> {
-    let costs: Vec<Vec<f64>> = pairs
-        .iter()
-        .filter(|pair| !pair.from.is_empty() && !pair.to.is_empty())
-        .map(|pair| costs(pair, body_from_lidar))
-        .collect();
+/// How badly the scans of each pair coincide at each of the yaws that are tried.
+#[derive(Clone, Debug)]
+pub struct YawCosts(Vec<Vec<f64>>);
+
+impl YawCosts {
+    /// Those of a lidar at this place on its body, metres; pairs without points are left out.
+    pub fn of(pairs: &[Pair], place: Vector2<f64>) -> Self {
+        let pairs = pairs.iter().filter(|pair| !pair.from.is_empty() && !pair.to.is_empty());
+        Self(pairs.map(|pair| costs(pair, place)).collect())
+    }
+}
+
+/// The yaw at which the scans coincide best, and how sure it is; `None` without pairs.
+pub fn search(YawCosts(costs): &YawCosts, apart_rad: f64) -> Option<MountYaw> {
     let all = |_: usize| true;
-    let best = best(&costs, all)?;
+    let best = best(costs, all)?;
     let groups = GROUPS.min(costs.len());
     let without: Vec<f64> = (0..groups)
-        .filter_map(|group| self::best(&costs, |index| index % groups != group))
+        .filter_map(|group| self::best(costs, |index| index % groups != group))
         .collect();
     let mean = circular_mean(without.iter().map(|yaw| (*yaw, 1.0)))?.mean_rad;
     let squares: f64 = without.iter().map(|yaw| difference(*yaw, mean).powi(2)).sum();
@@ -61,7 +68,7 @@ pub fn search(pairs: &[Pair], body_from_lidar: &Isometry2<f64>, apart_rad: f64) 
     let at_best = nearest(best);
     let rivals = (0..TRIED).filter(|tried| difference(yaw(*tried), best).abs() >= apart_rad);
     let t = rivals
-        .map(|rival| paired_t(&costs, rival, at_best))
+        .map(|rival| paired_t(costs, rival, at_best))
         .fold(f64::INFINITY, f64::min);
     Some(MountYaw {
         yaw_rad: best,
@@ -83,11 +90,11 @@ fn nearest(yaw_rad: f64) -> u32 {
 }
 
 /// Mean square of the remaining distances between the points of two scans, for each yaw.
-fn costs(pair: &Pair, body_from_lidar: &Isometry2<f64>) -> Vec<f64> {
+fn costs(pair: &Pair, place: Vector2<f64>) -> Vec<f64> {
     let tree = RTree::bulk_load(pair.from.iter().map(|point| [point.x, point.y]).collect());
     let asked: Vec<_> = pair.to.iter().step_by(pair.to.len().div_ceil(ASKED).max(1)).collect();
     let cost = |tried: u32| {
-        let mounting = body_from_lidar * Isometry2::rotation(yaw(tried));
+        let mounting = Isometry2::from_parts(Translation2::from(place), UnitComplex::new(yaw(tried)));
         let motion = mounting.inv_mul(&(pair.body * mounting));
         let squares = asked.iter().map(|point| {
             let moved = motion * Point2::from(**point);
@@ -183,8 +190,7 @@ mod tests {
         let mut rng = Rng::new(11);
         for true_deg in [0.0_f64, 90.0, -90.0, 180.0, 37.0] {
             let pairs = drive(true_deg.to_radians(), 5, 40, 0.2, &mut rng);
-            let stated = Isometry2::new(Vector2::new(1.0, 0.3), 0.0);
-            let found = search(&pairs, &stated, 0.26).unwrap();
+            let found = search(&YawCosts::of(&pairs, Vector2::new(1.0, 0.3)), 0.26).unwrap();
             let off_deg = difference(found.yaw_rad, true_deg.to_radians()).to_degrees().abs();
             assert!(
                 off_deg < 2.0 && off_deg < 4.0 * found.sigma_rad.to_degrees(),
@@ -202,8 +208,8 @@ mod tests {
             pair.to.clone_from(&pair.from);
             pair.body = Isometry2::identity();
         }
-        let stated = Isometry2::identity();
-        assert!(search(&still, &stated, 0.26).unwrap().t < 5.0);
+        let sure = |pairs: &[Pair]| search(&YawCosts::of(pairs, Vector2::zeros()), 0.26).unwrap().t;
+        assert!(sure(&still) < 5.0);
         let walls: Vec<Vector2<f64>> = (-30..30)
             .flat_map(|step| [-3.0, 3.0].map(|y| Vector2::new(0.5 * f64::from(step), y)))
             .collect();
@@ -214,10 +220,7 @@ mod tests {
                 to: walls.clone(),
             })
             .collect();
-        assert!(
-            search(&corridor, &stated, 0.26).unwrap().t < 5.0,
-            "forward and backward look the same"
-        );
+        assert!(sure(&corridor) < 5.0, "forward and backward look the same");
     }
 
     #[test]
@@ -227,7 +230,8 @@ mod tests {
             from: Vec::new(),
             to: vec![Vector2::new(1.0, 0.0)],
         };
-        assert!(search(&[pair], &Isometry2::identity(), 0.26).is_none());
-        assert!(search(&[], &Isometry2::identity(), 0.26).is_none());
+        for pairs in [vec![pair], Vec::new()] {
+            assert!(search(&YawCosts::of(&pairs, Vector2::zeros()), 0.26).is_none());
+        }
     }
 }

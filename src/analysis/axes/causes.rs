@@ -19,6 +19,8 @@ pub(crate) enum Aspect {
     Sense,
     /// The axis of the acceleration when the platform speeds up.
     Push,
+    /// Whether the acceleration in curves and the one when the platform speeds up are right-handed.
+    Hand,
     /// Order of the Euler angles behind the orientation.
     AngleOrder,
     /// Axes of the base that the sensor is mounted on.
@@ -135,6 +137,17 @@ pub(crate) enum Push {
     Backward,
     /// y or -y.
     Sideways,
+    /// Between axes.
+    Oblique,
+}
+
+/// The acceleration in a curve to the left, compared with the one when the platform speeds up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Hand {
+    /// To its left, which is correct.
+    Right,
+    /// To its right.
+    Left,
 }
 
 /// The classes of one sensor's measurements; `None` where a measurement was not possible.
@@ -146,6 +159,7 @@ pub(crate) struct Symptoms {
     pub(crate) heading: Option<Heading>,
     pub(crate) sense: Option<Sense>,
     pub(crate) push: Option<Push>,
+    pub(crate) hand: Option<Hand>,
 }
 
 /// A fault.
@@ -169,10 +183,12 @@ pub(crate) struct Cause {
     heading: &'static [Heading],
     sense: &'static [Sense],
     push: &'static [Push],
+    hand: &'static [Hand],
 }
 
 /// With an unknown mounting yaw, a negated axis may be along any horizontal axis of the base.
-const ANY_PUSH: &[Push] = &[Push::Forward, Push::Backward, Push::Sideways];
+const ANY_PUSH: &[Push] = &[Push::Forward, Push::Backward, Push::Sideways, Push::Oblique];
+const ANY_HAND: &[Hand] = &[Hand::Right, Hand::Left];
 
 /// A healthy sensor's measurements.
 pub(crate) const HEALTHY: Cause = Cause {
@@ -188,6 +204,7 @@ pub(crate) const HEALTHY: Cause = Cause {
     heading: &[Heading::With],
     sense: &[Sense::With],
     push: &[Push::Forward],
+    hand: &[Hand::Right],
 };
 
 /// All data of a sensor in the other convention.
@@ -205,6 +222,7 @@ const NED: Cause = Cause {
     heading: &[Heading::Against],
     sense: &[Sense::Against],
     push: ANY_PUSH,
+    hand: &[Hand::Left],
 };
 
 /// The known faults, each alone.
@@ -228,6 +246,7 @@ pub(crate) const CAUSES: &[Cause] = &[
         heading: &[Heading::Against],
         sense: &[Sense::Against],
         push: ANY_PUSH,
+        hand: &[Hand::Left],
         ..HEALTHY
     },
     Cause {
@@ -293,6 +312,7 @@ pub(crate) const CAUSES: &[Cause] = &[
         turn: &[Turn::Frd, Turn::Reversed],
         sense: &[Sense::Against],
         push: ANY_PUSH,
+        hand: &[Hand::Left],
         ..HEALTHY
     },
     Cause {
@@ -342,6 +362,7 @@ pub(crate) const CAUSES: &[Cause] = &[
         base: &[Base::Down],
         sense: &[Sense::Against],
         push: ANY_PUSH,
+        hand: &[Hand::Left],
         ..HEALTHY
     },
     Cause {
@@ -353,6 +374,7 @@ pub(crate) const CAUSES: &[Cause] = &[
         base: &[Base::Side],
         sense: &[Sense::With, Sense::Against],
         push: ANY_PUSH,
+        hand: ANY_HAND,
         ..HEALTHY
     },
     Cause {
@@ -361,7 +383,16 @@ pub(crate) const CAUSES: &[Cause] = &[
         help: "add the sensor's yaw to its frame in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,
-        push: &[Push::Backward, Push::Sideways],
+        push: &[Push::Backward, Push::Sideways, Push::Oblique],
+        ..HEALTHY
+    },
+    Cause {
+        word: "left-handed-accelerometer",
+        text: "the axes of the accelerometer are left-handed: x or y has the opposite sign, or the two are swapped",
+        help: "compare the accelerometer's axes with its data sheet; at a start x must be positive, and in a curve to the left y",
+        shown_by: Aspect::Hand,
+        push: ANY_PUSH,
+        hand: &[Hand::Left],
         ..HEALTHY
     },
 ];
@@ -395,6 +426,9 @@ impl Cause {
             && any(seen.heading, self.heading)
             && any(seen.sense, self.sense)
             && any(seen.push, self.push)
+            && any(seen.hand, self.hand)
+            // A direction alone is that of a mounting.
+            && (self.shown_by != Aspect::Hand || seen.hand.is_some())
     }
 
     fn turns_as(&self, seen: Option<Turn>) -> bool {

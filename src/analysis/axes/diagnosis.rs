@@ -7,16 +7,17 @@ use std::sync::Arc;
 use crate::analysis::motion::StreamConvention;
 use crate::tables::InsDriver;
 
-use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Sense, Symptoms, Turn, World};
+use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Hand, Heading, Push, Sense, Symptoms, Turn, World};
 
 /// The measurements in the order in which they are reported when several faults fit.
-const ORDER: [Aspect; 6] = [
+const ORDER: [Aspect; 7] = [
     Aspect::World,
     Aspect::Base,
     Aspect::Turn,
     Aspect::Heading,
     Aspect::Sense,
     Aspect::Push,
+    Aspect::Hand,
 ];
 
 /// The faults of one sensor.
@@ -148,6 +149,7 @@ fn shows(seen: Symptoms, aspect: Aspect) -> bool {
         Aspect::Heading => seen.heading == Some(Heading::Against),
         Aspect::Sense => seen.sense == Some(Sense::Against),
         Aspect::Push => seen.push.is_some_and(|push| push != Push::Forward),
+        Aspect::Hand => seen.hand == Some(Hand::Left),
         Aspect::AngleOrder | Aspect::Body => false,
     }
 }

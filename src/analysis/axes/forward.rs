@@ -1,11 +1,14 @@
 //! Yaw error of a lidar's mounting.
 
+use std::hash::{DefaultHasher, Hasher};
+
+use nalgebra::Vector2;
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, scan_motion::LevelClouds};
 use crate::math::circular::{circular_mean, difference};
-use crate::math::yaw_search::{Pair, search};
+use crate::math::yaw_search::{Pair, YawCosts, search};
 use crate::verdict::{Measured, NotEvaluated};
 
 /// Distance between two scans of the search, metres: more than the spacing of their points.
@@ -120,7 +123,12 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
     pairs.retain(|pair: &Pair| !pair.from.is_empty() && !pair.to.is_empty());
     let stated = known.stated * standing.up_from_cloud.inverse();
     let is_enough = pairs.len() >= SEARCH_PAIRS;
-    let found = is_enough.then(|| search(&pairs, &in_plane(&stated), SEARCH_APART_DEG.to_radians()));
+    let stated = in_plane(&stated);
+    let place = stated.translation.vector;
+    let found = is_enough.then(|| {
+        let costs = world.shared(|hasher| hash(&pairs, place, hasher), || YawCosts::of(&pairs, place));
+        search(&costs, SEARCH_APART_DEG.to_radians())
+    });
     let Some(found) = found.flatten() else {
         return Err(format!(
             "only {} pairs of scans that are {} m apart show objects above the ground, {} are needed to match all of them together",
@@ -142,11 +150,28 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
         ));
     }
     Ok(Yaw {
-        off_deg: found.yaw_rad.to_degrees(),
+        off_deg: difference(found.yaw_rad, stated.rotation.angle()).to_degrees(),
         error_deg,
         sure: YawCertainty::Search(found.t),
         pairs: found.pairs,
     })
+}
+
+/// Everything that the costs of yaws depend on.
+fn hash(pairs: &[Pair], place: Vector2<f64>, hasher: &mut DefaultHasher) {
+    let mut number = |value: f64| hasher.write_u64(value.to_bits());
+    place.iter().copied().for_each(&mut number);
+    for pair in pairs {
+        pair.body.to_homogeneous().iter().copied().for_each(&mut number);
+        for points in [&pair.from, &pair.to] {
+            number(points.len() as f64);
+            points
+                .iter()
+                .flat_map(|point| point.iter())
+                .copied()
+                .for_each(&mut number);
+        }
+    }
 }
 
 /// Factor of pairs that is needed: errors fall with the square root of their number.

@@ -2,7 +2,7 @@
 //!
 //! Courses and speeds are means over two seconds, so the integrals of the sensor are smoothed in the same way. Must not judge.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::analysis::motion::{Course, Follower, Imu, around};
 use crate::math::circular::wrapped;
@@ -27,15 +27,13 @@ pub(crate) struct Slope {
     pub(crate) excitation: f64,
     /// Pairs.
     pub(crate) pairs: usize,
-    /// Number of independent (not overlapping) pairs.
-    pub(crate) effective: f64,
 }
 
 impl Slope {
     /// Student's t of the correlation.
     pub(crate) fn t(&self) -> f64 {
         let rest = (1.0 - self.correlation * self.correlation).max(1e-12);
-        self.correlation * ((self.effective - 2.0).max(0.0) / rest).sqrt()
+        self.correlation * ((independent(self.pairs) - 2.0).max(0.0) / rest).sqrt()
     }
 
     /// Length of the pairs together, seconds.
@@ -43,34 +41,80 @@ impl Slope {
         self.pairs as f64 * STEP_S
     }
 
-    /// A line through the means.
-    fn of(pairs: &[(f64, f64)]) -> Self {
-        let count = pairs.len().max(1) as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
-        Self::about(pairs, mean(|pair| pair.0), mean(|pair| pair.1))
-    }
-
     /// A line through zero: a steady turn counts.
     fn through_zero(pairs: &[(f64, f64)]) -> Self {
-        Self::about(pairs, 0.0, 0.0)
-    }
-
-    fn about(pairs: &[(f64, f64)], x0: f64, y0: f64) -> Self {
-        let count = pairs.len().max(1) as f64;
-        let (mut xx, mut xy, mut yy, mut squares) = (0.0, 0.0, 0.0, 0.0);
-        for (x, y) in pairs {
-            xx += (x - x0) * (x - x0);
-            xy += (x - x0) * (y - y0);
-            yy += (y - y0) * (y - y0);
-            squares += x * x;
-        }
+        let sum = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
+        let (xx, xy, yy) = (sum(|(x, _)| x * x), sum(|(x, y)| x * y), sum(|(_, y)| y * y));
         let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
         Self {
             gain: ratio(xy, xx),
             correlation: ratio(xy, (xx * yy).sqrt()),
-            excitation: (squares / count).sqrt() / (2.0 * STEP_S),
+            excitation: (xx / pairs.len().max(1) as f64).sqrt() / (2.0 * STEP_S),
             pairs: pairs.len(),
-            effective: count * STEP_S / (2.0 * HALF_S),
+        }
+    }
+}
+
+/// The number of independent (not overlapping) pairs among so many.
+fn independent(pairs: usize) -> f64 {
+    pairs as f64 * STEP_S / (2.0 * HALF_S)
+}
+
+/// How far the force along x and y of the base follows one kind of acceleration of the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct PlanarGain {
+    /// Force over acceleration, along x and y, and the standard errors.
+    pub(crate) gain: Vector2<f64>,
+    pub(crate) error: Vector2<f64>,
+    /// Root mean square of the acceleration about its mean, m/s^2.
+    pub(crate) excitation: f64,
+    /// Number of independent pairs.
+    pub(crate) effective: f64,
+}
+
+impl PlanarGain {
+    /// The gains of two kinds of acceleration, by least squares over `(accelerations, force)`: each would be noise to the other alone.
+    fn of_both(rows: &[(Vector2<f64>, Vector2<f64>)]) -> [Self; 2] {
+        let count = rows.len().max(1) as f64;
+        let (sum_of, sum_force) = rows
+            .iter()
+            .fold((Vector2::zeros(), Vector2::zeros()), |(of, force), row| {
+                (of + row.0, force + row.1)
+            });
+        let (mean_of, mean_force) = (sum_of / count, sum_force / count);
+        let (mut information, mut products, mut squares) = (Matrix2::zeros(), Matrix2::zeros(), Vector2::zeros());
+        for (of, force) in rows {
+            let (of, force) = (of - mean_of, force - mean_force);
+            information += of * of.transpose();
+            products += of * force.transpose();
+            squares += force.component_mul(&force);
+        }
+        // On a straight road there are no curves.
+        let inverse = information
+            .pseudo_inverse(1e-9 * information.trace())
+            .unwrap_or_default();
+        let gains = inverse * products;
+        let effective = independent(rows.len());
+        let residuals = squares - gains.component_mul(&products).row_sum().transpose();
+        let of = |gain: Vector2<f64>, inverse: f64, square: f64| Self {
+            gain,
+            error: residuals.map(|left| (left.max(0.0) * inverse / (effective - 3.0).max(1e-3)).sqrt()),
+            excitation: (square / count).sqrt() / (2.0 * STEP_S),
+            effective,
+        };
+        let ([of_speed, of_curves], [speeding, curving]) = (inverse.diagonal().into(), information.diagonal().into());
+        [
+            of(gains.row(0).transpose(), of_speed, speeding),
+            of(gains.row(1).transpose(), of_curves, curving),
+        ]
+    }
+
+    /// The same with a sensor in another unit.
+    pub(crate) fn times(self, unit: f64) -> Self {
+        Self {
+            gain: self.gain * unit,
+            error: self.error * unit,
+            ..self
         }
     }
 }
@@ -80,35 +124,36 @@ impl Slope {
 pub(crate) struct Rates {
     /// Rate about the base's z axis over turn rate of the course.
     pub(crate) turning: Slope,
-    /// Force along the base's x axis over change of speed.
-    pub(crate) forward: Slope,
-    /// Force along the base's y axis over change of speed.
-    pub(crate) sideways: Slope,
+    /// Force over change of speed.
+    pub(crate) speeding: PlanarGain,
+    /// Force over speed times turn rate of the course.
+    pub(crate) curving: PlanarGain,
 }
 
 impl Rates {
     /// Compares the sensor's integrals with the courses.
     pub(crate) fn of(integrals: &Integrals, courses: &[Vec<Course>]) -> Self {
         let mut smooth = integrals.follow();
-        let (mut turning, mut forward, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut turning, mut forces) = (Vec::new(), Vec::new());
         for run in courses {
             let smoothed: Vec<(&Course, Option<Vector3<f64>>)> =
                 run.iter().map(|course| (course, smooth(course.t_s))).collect();
             for three in smoothed.windows(3) {
-                let [(before, Some(from)), _, (after, Some(to))] = three else {
+                let [(before, Some(from)), (middle, _), (after, Some(to))] = three else {
                     continue;
                 };
                 let changed = to - from;
-                turning.push((wrapped(after.angle_rad - before.angle_rad), changed.x));
+                let turned = wrapped(after.angle_rad - before.angle_rad);
+                turning.push((turned, changed.x));
                 let faster = after.speed_m_s - before.speed_m_s;
-                forward.push((faster, changed.y));
-                sideways.push((faster, changed.z));
+                forces.push((Vector2::new(faster, middle.speed_m_s * turned), changed.yz()));
             }
         }
+        let [speeding, curving] = PlanarGain::of_both(&forces);
         Self {
             turning: Slope::through_zero(&turning),
-            forward: Slope::of(&forward),
-            sideways: Slope::of(&sideways),
+            speeding,
+            curving,
         }
     }
 }

@@ -118,6 +118,13 @@ fn sensors(
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
+        // Where the course turns unlike the gyro, the platform does not move where it faces.
+        if let Ok(seen) = &mut sensor.push
+            && let Some(track) = tracks.asked.iter().find(|track| track.subject == seen.track)
+            && gyro_vs_track::is_uncoupled(&integrals, track, &sense)
+        {
+            seen.hand = None;
+        }
         // A yaw that is the integral of its gyro is not compared with a course that is unrelated to the gyro.
         if let Ok(seen) = &sensor.heading
             && seen.class() == causes::Heading::Against
@@ -187,6 +194,12 @@ impl Sensor {
             .and_then(HeadingFit::offset_rad)
     }
 
+    /// Whether the acceleration in curves contradicts poses of a simulator, which may be left-handed.
+    pub(crate) fn push_is_against_a_simulator(&self) -> bool {
+        let push = self.push.as_ref();
+        push.is_ok_and(|seen| seen.hand == Some(causes::Hand::Left) && self.may_doubt(seen.is_geodetic))
+    }
+
     fn symptoms(&self) -> Symptoms {
         fn class<T, C>(look: &Estimate<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
@@ -204,6 +217,11 @@ impl Sensor {
                 _ => {}
             }
         }
+        // The curves of one track say nothing of the turns of another.
+        let hand = self.push.as_ref().ok().filter(|by_push| {
+            let is_other = self.sense.as_ref().is_ok_and(|by_gyro| by_gyro.track != by_push.track);
+            !is_other && !self.push_is_against_a_simulator()
+        });
         Symptoms {
             base: class(&self.base, |seen| seen.class),
             world: class(&self.world, WorldUp::sign).flatten(),
@@ -211,6 +229,7 @@ impl Sensor {
             heading,
             sense,
             push: class(&self.push, |seen| seen.class),
+            hand: hand.and_then(|seen| seen.hand),
         }
     }
 }

@@ -31,32 +31,20 @@ pub(crate) fn sure<'k>(known: &'k HandEye, limits: &Limits) -> impl Iterator<Ite
     known.pairs.iter().filter(move |pair| pair.sigma_m <= max_sigma_m)
 }
 
-/// The same as [`estimated`], where it is sure.
+/// The same as [`estimated`], where the lidar turned enough.
 pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
-    let turned_deg: f64 = sure(known, limits)
-        .map(|pair| pair.lidar.rotation.angle().to_degrees())
-        .sum();
-    if turned_deg < limits.min_turned_deg {
-        let why = format!(
-            "it turned by {turned_deg:.0} deg in {} pairs of scans; {} are needed: only turns determine the position on the body",
-            sure(known, limits).count(),
-            limits.min_turned_deg
-        );
-        return Err((NotEvaluated::TooLittleEvidence, why));
+    let turns = sure(known, limits).map(|pair| pair.lidar.rotation.angle().to_degrees());
+    // The sum of no numbers is -0.
+    let turned_deg = turns.fold(0.0, |sum, turn| sum + turn);
+    if turned_deg >= limits.min_turned_deg {
+        return estimated(known, limits);
     }
-    let found = estimated(known, limits)?;
-    let [yaw, x, y] = found.sigma;
-    if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
-        let why = format!(
-            "yaw and position are determined to {:.2} deg and {:.2} m; {} and {} are needed: record more turns",
-            yaw.to_degrees(),
-            x.hypot(y),
-            limits.sure_yaw_deg,
-            limits.sure_place_m
-        );
-        return Err((NotEvaluated::TooLittleEvidence, why));
-    }
-    Ok(found)
+    let why = format!(
+        "it turned by {turned_deg:.0} deg in {} pairs of scans; {} are needed: only turns determine the position on the body",
+        sure(known, limits).count(),
+        limits.min_turned_deg
+    );
+    Err((NotEvaluated::TooLittleEvidence, why))
 }
 
 /// The correction of a stated mounting, in the plane of the body: its yaw and its place.
@@ -86,9 +74,10 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<PlanarMount,
     Ok(found)
 }
 
-/// The mounting with the yaw and the position that the scans show, and the rest as stated.
-pub(crate) fn at_place(known: &HandEye, found: &PlanarMount) -> Isometry3<f64> {
-    let place = Translation3::new(found.place.x, found.place.y, known.stated.translation.z);
+/// The mounting with the yaw that the scans show, with their position if the stated one is wrong, and the rest as stated.
+pub(crate) fn corrected(known: &HandEye, found: &PlanarMount, moved: bool) -> Isometry3<f64> {
+    let stated = known.stated.translation;
+    let place = Translation3::new(found.place.x, found.place.y, stated.z);
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), found.yaw_rad);
-    Isometry3::from_parts(place, yaw * known.stated.rotation)
+    Isometry3::from_parts(if moved { place } else { stated }, yaw * known.stated.rotation)
 }

@@ -10,6 +10,7 @@ pub(crate) struct Limits {
     pub(crate) min_messages: u64,
     pub(crate) late_s: f64,
     pub(crate) gnss_late_s: f64,
+    pub(crate) sweep_late_s: f64,
     pub(crate) ahead_s: f64,
     pub(crate) far_s: f64,
     pub(crate) rate_span_s: f64,
@@ -29,6 +30,9 @@ pub(crate) struct Limits {
 pub(crate) fn allowed_s(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> (f64, f64) {
     let late_s = if stream.is_gnss() {
         limits.gnss_late_s
+    } else if stream.is_of_sweeps() {
+        let period_s = stream.stamps.median_step_ns.map_or(0.0, |step_ns| step_ns as f64 / 1e9);
+        limits.late_s.max(period_s.min(limits.late_s) + limits.sweep_late_s)
     } else {
         limits.late_s
     };

@@ -178,6 +178,12 @@ impl Stream<'_> {
         }
     }
 
+    /// Whether its messages hold the points of a sweep, and may have the stamp of the first.
+    pub(crate) fn is_of_sweeps(&self) -> bool {
+        const TYPES: &[&str] = &["PointCloud2", "PointCloud", "LaserScan", "MultiEchoLaserScan"];
+        TYPES.contains(&self.message_type().rsplit('/').next().unwrap_or_default())
+    }
+
     /// Whether it comes from a GNSS receiver, by the type of its messages: receivers measure, compute and only then send.
     pub(crate) fn is_gnss(&self) -> bool {
         const WORDS: &[&str] = &[

@@ -1,7 +1,7 @@
 //! AXES06: the acceleration along the base's axes compared with the change of speed.
 
-use crate::advice::diagnosis::{explain, judge_each};
-use crate::analysis::axes::causes::{Aspect, Push};
+use crate::advice::diagnosis::{explain, judge_each, unless_swapped};
+use crate::analysis::axes::causes::{Aspect, Hand, Push};
 use crate::analysis::axes::push::{AccelFit, Limits};
 use crate::analysis::motion::Imu;
 use crate::analysis::{axes::sensors::Sensor, look::TRACK};
@@ -20,42 +20,48 @@ impl Rule for AccelVsSpeed {
 }
 
 fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelFit, limits: &Limits, out: &mut Judge) {
-    let pairs = pushed.forward.pairs as u64;
-    let measured = [
-        Measured::new(
-            "acceleration along x over the change of speed",
-            pushed.forward.gain,
-            "1",
-        )
-        .samples(pairs),
-        Measured::new(
-            "acceleration along y over the change of speed",
-            pushed.sideways.gain,
-            "1",
-        )
-        .samples(pairs),
-        Measured::new("t", pushed.forward.t().abs().max(pushed.sideways.t().abs()), "1").at_least(limits.min_t),
+    let is_left = pushed.hand == Some(Hand::Left) && !sensor.push_is_against_a_simulator();
+    let mut measured = vec![
+        Measured::new("yaw that the mounting lacks", pushed.yaw_deg, "deg")
+            .turn()
+            .limit(limits.max_yaw_deg)
+            .spread(pushed.error_deg),
     ];
-    if pushed.class == Push::Forward {
-        return out.pass(subject, measured);
+    let over = [
+        (pushed.speeding, "the change of speed"),
+        (pushed.curving, "speed times turn rate"),
+    ];
+    for (fit, track) in over {
+        let Some(fit) = fit else { continue };
+        let along = fit.gain.iter().zip(fit.error.iter()).zip(["x", "y"]);
+        measured.extend(along.map(|((gain, error), axis)| {
+            Measured::new(format!("acceleration along {axis} over {track}"), *gain, "1").spread(*error)
+        }));
     }
-    let (axis, gain) = match pushed.class {
-        Push::Sideways if pushed.sideways.gain < 0.0 => ("-y", pushed.sideways.gain),
-        Push::Sideways => ("y", pushed.sideways.gain),
-        _ => ("-x", pushed.forward.gain),
-    };
-    let message = format!(
-        "`{}`: acceleration when speeding up is along {axis}, not along x (gain {gain:+.2})",
-        imu.stream.topic
-    );
-    // Forward in the sensor's axes is (cos, -sin) of its yaw.
-    let yaw_deg = (-pushed.sideways.gain).atan2(pushed.forward.gain).to_degrees();
+    if pushed.class == Push::Forward && !is_left {
+        if pushed.yaw_deg.abs() <= limits.max_yaw_deg {
+            return out.pass(subject, measured);
+        }
+        let why = format!(
+            "the mounting lacks a yaw of {:+.0} +- {:.0} deg: not accurate enough to decide; record more changes of speed and turns",
+            pushed.yaw_deg, pushed.error_deg
+        );
+        return out.too_little(subject, why);
+    }
+    let message = format!("`{}`: {}", imu.stream.topic, wrong(pushed));
     let yaw = match sensor.diagnosis.word() {
-        Some("turned-mount") => format!(" A yaw of about {yaw_deg:+.0} deg of the sensor explains it."),
+        Some("turned-mount") => format!(" A yaw of about {:+.0} deg of the sensor explains it.", pushed.yaw_deg),
+        _ => String::new(),
+    };
+    let curves = match pushed.curving {
+        Some(curving) if is_left && pushed.class != Push::Forward => {
+            let [along_x, along_y] = curving.gain.into();
+            format!(" In curves to the left its gain is {along_x:+.2} along x and {along_y:+.2} along y.")
+        }
         _ => String::new(),
     };
     let detail = format!(
-        "Compared with the change of speed of {}.{yaw} Mounting: {}.",
+        "Compared with the motion of {}.{curves}{yaw} Mounting: {}.",
         pushed.track,
         imu.mounting()
     );
@@ -70,6 +76,35 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
             .detail(detail),
         otherwise,
     );
-    let finding = finding.related(pushed.track_at.clone(), TRACK);
-    out.fail(finding.measured(measured));
+    let finding = finding.related(pushed.track_at.clone(), TRACK).measured(measured);
+    out.fail(if is_left {
+        unless_swapped(&pushed.track, finding)
+    } else {
+        finding
+    });
+}
+
+/// What is wrong with the acceleration.
+fn wrong(pushed: &AccelFit) -> String {
+    // Forward in the sensor's axes is (cos, -sin) of its yaw, and left (sin, cos).
+    let axes = match pushed.yaw_deg {
+        deg if deg.abs() > 135.0 => ["-x", "-y"],
+        deg if deg > 45.0 => ["-y", "x"],
+        deg if deg < -45.0 => ["y", "-x"],
+        _ => ["x", "y"],
+    };
+    let (when, should, is, fit) = match (pushed.class, pushed.speeding, pushed.curving) {
+        (Push::Forward, _, Some(fit)) => ("in curves to the left", "y", "-y", fit),
+        (_, Some(fit), _) => ("when speeding up", "x", axes[0], fit),
+        (_, None, fit) => ("in curves to the left", "y", axes[1], fit.unwrap_or_default()),
+    };
+    if pushed.class == Push::Oblique {
+        let side = if pushed.yaw_deg < 0.0 { "left" } else { "right" };
+        return format!(
+            "acceleration {when} is {:.0} deg to the {side} of {should}",
+            pushed.yaw_deg.abs()
+        );
+    }
+    let gain = if is.ends_with('x') { fit.gain.x } else { fit.gain.y };
+    format!("acceleration {when} is along {is}, not along {should} (gain {gain:+.2})")
 }

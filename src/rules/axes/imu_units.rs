@@ -102,7 +102,11 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         let help = "compare the accelerometer's full scale (LSB per g) with its data sheet, and the fields with the message definition";
         ("no known unit fits", help, Some(UNEXPLAINED))
     } else {
-        let why = format!("median magnitude {force:.2}: not gravity in any known unit");
+        let why = format!(
+            "median magnitude {force:.2} m/s2 is more than {:.0} % from gravity, and strong motion could explain that: record a minute \
+             in which the sensor is at rest or moves gently",
+            100.0 * limits.gravity_share
+        );
         return out.too_little(subject, why);
     };
     let message = format!(

@@ -1,12 +1,16 @@
 //! CROSS05: a mounting transform compared with the one that the motions of lidar and body determine.
 
-use crate::analysis::cross::hand_eye::{Limits, at_place, solved};
+use crate::analysis::cross::hand_eye::{Limits, corrected, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::PlanarMount;
 use crate::rules::prelude::*;
 
 pub(crate) struct HandEyeCalibration;
+
+/// What is judged of each lidar.
+const YAW: &str = "yaw of the mounting";
+const PLACE: &str = "place of the mounting";
 
 impl Rule for HandEyeCalibration {
     const NEEDS: &'static [Need] = &[Need::Bag];
@@ -22,14 +26,50 @@ impl Rule for HandEyeCalibration {
             });
             match known.and_then(|known| Ok((solved(&known, limits)?, known))) {
                 Ok((mounted, known)) => judge_mounted(&clouds, &known, &mounted, limits, out),
-                Err((reason, why)) => out.not_evaluated(clouds.subject("place of the mounting"), reason, why),
+                Err((reason, why)) => {
+                    for part in [YAW, PLACE] {
+                        out.not_evaluated(clouds.subject(part), reason, why.clone());
+                    }
+                }
             }
         }
     }
 }
 
+/// An error of a mounting with its standard error; its limit, and the standard error up to which it is judged.
+struct MountingError {
+    subject: String,
+    measured: Measured,
+    size: f64,
+    sigma: f64,
+    limit: f64,
+    sure: f64,
+}
+
+impl MountingError {
+    fn is_beyond(&self, limits: &Limits) -> bool {
+        self.sigma <= self.sure && self.size > self.limit.max(limits.sigmas * self.sigma)
+    }
+
+    /// Passes one that is not beyond its limit, if that is certain.
+    fn judge(self, limits: &Limits, out: &mut Judge) {
+        let is_sure = |sigmas: f64| sigmas * self.sigma <= self.limit;
+        if self.size <= self.limit && is_sure(1.0) || is_sure(limits.sigmas) {
+            return out.pass(self.subject, [self.measured]);
+        }
+        let why = format!(
+            "{} {:.2} +- {:.2} {unit}, {} {unit} are allowed: not accurate enough to decide; record more turns",
+            self.measured.what,
+            self.size,
+            self.sigma,
+            self.limit,
+            unit = self.measured.unit
+        );
+        out.too_little(self.subject, why);
+    }
+}
+
 fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: &Limits, out: &mut Judge) {
-    let subject = clouds.subject("place of the mounting");
     let published = known.stated.translation.vector.xy();
     let off = found.place - published;
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
@@ -38,42 +78,59 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         sigma_yaw.to_degrees(),
         sigma_x.hypot(sigma_y),
     );
-    let measured = [
-        Measured::new("yaw that the mounting lacks", yaw_deg, "deg")
-            .turn()
-            .limit(limits.max_yaw_deg)
-            .spread(sigma_deg)
-            .samples(found.pairs as u64),
-        Measured::new("position error of the mounting", off.norm(), "m")
-            .limit(limits.max_place_m)
-            .spread(sigma_m),
-    ];
-    let turned = yaw_deg.abs() > limits.max_yaw_deg.max(limits.sigmas * sigma_deg);
-    let moved = off.norm() > limits.max_place_m.max(limits.sigmas * sigma_m);
-    if !turned && !moved {
-        let is_sure = |sigmas: f64| sigmas * sigma_deg <= limits.max_yaw_deg && sigmas * sigma_m <= limits.max_place_m;
-        let is_within = yaw_deg.abs() <= limits.max_yaw_deg && off.norm() <= limits.max_place_m;
-        if is_within && is_sure(1.0) || is_sure(limits.sigmas) {
-            return out.pass(subject, measured);
+    let error = |part, measured: Measured, [sigma, limit, sure]: [f64; 3]| MountingError {
+        subject: clouds.subject(part),
+        size: measured.value.abs(),
+        measured: measured.limit(limit).spread(sigma).samples(found.pairs as u64),
+        sigma,
+        limit,
+        sure,
+    };
+    let of_yaw = Measured::new("yaw that the mounting lacks", yaw_deg, "deg").turn();
+    let yaw = error(YAW, of_yaw, [sigma_deg, limits.max_yaw_deg, limits.sure_yaw_deg]);
+    let of_place = Measured::new("position error of the mounting", off.norm(), "m");
+    let place = error(PLACE, of_place, [sigma_m, limits.max_place_m, limits.sure_place_m]);
+    let (turned, moved) = (yaw.is_beyond(limits), place.is_beyond(limits));
+    let (subject, measured, what) = match (turned, moved) {
+        (false, false) => {
+            yaw.judge(limits, out);
+            return place.judge(limits, out);
         }
-        let why = format!(
-            "the mounting is off by {:.1} deg and {:.2} m with standard errors of {sigma_deg:.1} deg and {sigma_m:.2} m: not accurate \
-             enough to decide; record a drive with more turns",
-            yaw_deg.abs(),
-            off.norm()
-        );
-        return out.too_little(subject, why);
-    }
-    let what = match (turned, moved) {
-        (true, true) => format!("lacks a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm()),
-        (true, false) => format!("lacks a yaw of {yaw_deg:+.1} deg"),
-        _ => format!("is {:.2} m off", off.norm()),
+        (true, false) => {
+            place.judge(limits, out);
+            (
+                yaw.subject,
+                vec![yaw.measured],
+                format!("lacks a yaw of {yaw_deg:+.1} deg"),
+            )
+        }
+        (false, true) => {
+            yaw.judge(limits, out);
+            (
+                place.subject,
+                vec![place.measured],
+                format!("is {:.2} m off", off.norm()),
+            )
+        }
+        (true, true) => {
+            out.not_applicable(yaw.subject, "reported with the position of the mounting");
+            let what = format!("lacks a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm());
+            (place.subject, vec![yaw.measured, place.measured], what)
+        }
     };
     let message = format!("`{}_from_{}` {what}", known.body, known.lidar);
-    let detail = format!(
-        "The motions of the scans on `{}` and of {} put the lidar at x = {:.2} m, y = {:.2} m; the transform states {:.2} m, {:.2} m.",
-        clouds.topic.topic, known.poses.0, found.place.x, found.place.y, published.x, published.y
+    let by = format!(
+        "the motions of the scans on `{}` and of {}",
+        clouds.topic.topic, known.poses.0
     );
+    let detail = if moved {
+        format!(
+            "By {by} the lidar is at x = {:.2} m, y = {:.2} m; the transform states {:.2} m, {:.2} m.",
+            found.place.x, found.place.y, published.x, published.y
+        )
+    } else {
+        format!("Measured by {by}.")
+    };
     let inverse = known.stated.inverse();
     let is_inverse = in_plane(&(inverse * inverse)).rotation.angle().to_degrees().abs() <= limits.forward_deg
         && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
@@ -96,7 +153,11 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         .detail(detail)
         .related(known.poses.1.clone(), "motion of the body")
         .help("calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
-        .prefers(known.body.to_string(), known.lidar.to_string(), at_place(known, found))
+        .prefers(
+            known.body.to_string(),
+            known.lidar.to_string(),
+            corrected(known, found, moved),
+        )
         .unless(codes::TIME07);
     // AXES12 reports a large rotation better: by the direction of the x axis.
     let finding = if yaw_deg.abs() > limits.forward_deg {

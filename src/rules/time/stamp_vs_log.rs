@@ -73,8 +73,8 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
         return Vec::new();
     };
     let found = faults(stream, naming, limits);
+    let (late_s, ahead_s) = allowed_s(stream, naming, limits);
     if !naming.has_word(stream) {
-        let (late_s, ahead_s) = allowed_s(stream, naming, limits);
         let limits_s = [("late from here on", -late_s), ("ahead from here on", ahead_s)];
         out.plot(&stream.subject, || stream.plot(&limits_s));
     }
@@ -82,7 +82,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
         let named = naming.has_word(stream);
         let measured = Measured::new("stamp minus log time", offset, "s")
             .spread(spread)
-            .at_least(-limits.late_s);
+            .at_least(-late_s);
         if named || !naming.is_comparable(stream) {
             let why = format!("stamps are {offset:.3} s from the log clock, on another clock or time scale");
             out.not_applicable(stream.subject.clone(), why);

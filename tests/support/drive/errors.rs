@@ -64,6 +64,10 @@ pub enum Error {
     CmS2,
     /// Accelerations with the other sign.
     GravitySign,
+    /// Accelerations along y with the other sign.
+    AccelYNegated,
+    /// Accelerations along x and y swapped.
+    AccelSwapped,
     /// Accelerations without gravity.
     GravityRemoved,
 

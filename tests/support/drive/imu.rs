@@ -152,6 +152,8 @@ impl ImuRow {
             Error::GyroMissing => self.gyro = [0.0; 3],
             Error::CmS2 => self.acceleration = self.acceleration.map(|force| force * 100.0),
             Error::G => self.acceleration = self.acceleration.map(|force| force / 9.806_65),
+            Error::AccelYNegated => self.acceleration[1] = -self.acceleration[1],
+            Error::AccelSwapped => self.acceleration.swap(0, 1),
             Error::GravitySign => self.acceleration = self.acceleration.map(|force| -force),
             Error::GravityRemoved => {
                 let up = rotation(self.orientation).inverse() * Vector3::z() * gravity;

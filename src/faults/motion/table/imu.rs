@@ -296,7 +296,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "The accelerometer's x has the opposite sign.",
         Anything,
         |message| message.change_acceleration(&diagonal(-1.0, 1.0, 1.0)),
-        [],
+        ["left-handed-accelerometer"],
         ["acceleration when speeding up is along -x"],
         ["AXES06"],
         WITH_TRACK
@@ -306,9 +306,9 @@ pub(super) static FAULTS: &[Fault] = &[
         "The accelerometer's y has the opposite sign.",
         Anything,
         |message| message.change_acceleration(&diagonal(1.0, -1.0, 1.0)),
-        [],
-        ["the acceleration is steadily"],
-        ["AXES03", "AXES06"],
+        ["left-handed-accelerometer"],
+        ["acceleration in curves to the left is along -y"],
+        ["AXES06"],
         WITH_TRACK
     ),
     imu!(
@@ -326,7 +326,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "The accelerometer's x and y are swapped.",
         Anything,
         |message| message.change_acceleration(&xy_swap()),
-        [],
+        ["left-handed-accelerometer"],
         [
             "acceleration when speeding up is along y",
             "acceleration when speeding up is along -y"
