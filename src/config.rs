@@ -56,6 +56,7 @@ mod frames;
 mod policy;
 mod projections;
 mod reader;
+mod required;
 mod tables;
 
 use std::fs::File;

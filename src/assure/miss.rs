@@ -1,6 +1,7 @@
 //! Why a mistake is missed, and what would show it.
 
 use crate::faults::{Seers, Subject};
+use crate::source::Confidence;
 use crate::verdict::{Bound, Measured, Outcome, Row, Verdict};
 
 /// Why a mistake is missed, and what would show it.
@@ -42,7 +43,7 @@ impl Miss {
             .iter()
             .find(|row| row.outcome == Outcome::NotEvaluated && row.applies());
         Self {
-            reason: reason(row),
+            reason: reason(row, altered),
             record: match (row.outcome, lacks) {
                 (Outcome::Pass, Some(other)) => {
                     let lack = other.reason.as_deref().unwrap_or_default();
@@ -63,13 +64,14 @@ impl Miss {
     }
 }
 
-fn reason(row: &Row) -> String {
+fn reason(row: &Row, altered: &Verdict) -> String {
     let why = row.reason.as_deref().unwrap_or_default();
     match row.outcome {
         Outcome::Pass => {
             let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
         }
+        Outcome::Fail if is_hint(row, altered) => format!("{} gives only a hint about {}", row.rule, row.subject),
         Outcome::Fail => format!(
             "{} fails {} without the mistake, too: correct that first",
             row.rule, row.subject
@@ -79,6 +81,14 @@ fn reason(row: &Row) -> String {
         }
         _ => format!("{} of {}: {why}", row.rule, row.subject),
     }
+}
+
+/// Whether a row that fails has no finding that is more than a hint.
+fn is_hint(row: &Row, verdict: &Verdict) -> bool {
+    let mut findings = verdict.findings.iter();
+    !findings.any(|finding| {
+        finding.rule == row.rule && finding.subject == row.subject && finding.confidence > Confidence::Hint
+    })
 }
 
 fn in_words(measured: &Measured) -> String {

@@ -1,10 +1,11 @@
-//! The keys `fail-on`, `rules`, `limits`, `paths`, `waivers` and `require` of the configuration: what the user accepts and requires.
+//! The keys `fail-on`, `rules`, `limits`, `paths` and `waivers` of the configuration: what the user accepts. [`required`](super::required) reads
+//! what is required.
 //!
 //! Which rules exist is not known here: words that name rules are kept with their places, and the engine looks them up.
 
 use globset::GlobMatcher;
 
-use crate::policy::{Exception, Force, Level, RequiredShare, Requirement, Scope, Weight};
+use crate::policy::{Exception, Level, RequiredShare, Requirement, Scope, Weight};
 use crate::read::calibration::document::Node;
 use crate::run::FailOn;
 use crate::source::{Place, SourceId, Span};
@@ -148,43 +149,19 @@ impl Reader<'_> {
             let waived = self.waiver(item, &mut asked.named)?;
             asked.waivers.push(waived);
         }
-        for item in self.list_of(
-            root,
-            "require",
-            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`, `- {detects: imu-wxyz}`",
-        )? {
-            if let Some(share) = item.get("share") {
-                self.keys(item, &["share"])?;
-                asked.share = Some(self.share(share)?);
-            } else if let Some(names) = item.get("detects") {
-                self.keys(item, &["detects", "subject", "if", "lifted"])?;
-                let items: Vec<&Node> = names
-                    .items()
-                    .map_or_else(|| vec![names], |items| items.iter().collect());
-                if items.is_empty() {
-                    let what = "expected the names of known mistakes: this requires nothing";
-                    return Err(self.error(names.span.start, what));
-                }
-                for mistake in items {
-                    asked.detections.push(self.detection(item, mistake)?);
-                }
-            } else {
-                let requirement = self.requirement(item, &mut asked.named)?;
-                asked.required.push(requirement);
-            }
-        }
+        self.requirements(root, &mut asked)?;
         Ok(asked)
     }
 
     /// The items of a list; none if the key is absent.
-    fn list_of<'n>(&self, root: &'n Node, key: &str, example: &str) -> Result<&'n [Node], ConfigError> {
+    pub(super) fn list_of<'n>(&self, root: &'n Node, key: &str, example: &str) -> Result<&'n [Node], ConfigError> {
         let Some(node) = root.get(key) else { return Ok(&[]) };
         let fault = || self.error(node.span.start, &format!("`{key}` must be a list: {example}"));
         node.items().ok_or_else(fault)
     }
 
     /// The text of a required key.
-    fn required_text(&self, item: &Node, key: &str, what: &str) -> Result<String, ConfigError> {
+    pub(super) fn required_text(&self, item: &Node, key: &str, what: &str) -> Result<String, ConfigError> {
         let Some(node) = item.get(key) else {
             return Err(self.error(item.span.start, &format!("`{key}` is missing: {what}")));
         };
@@ -194,7 +171,11 @@ impl Reader<'_> {
     }
 
     /// A word for rules, kept with its place.
-    fn rule_word(&self, node: &Node, named: &mut Vec<(String, String)>) -> Result<(String, String), ConfigError> {
+    pub(super) fn rule_word(
+        &self,
+        node: &Node,
+        named: &mut Vec<(String, String)>,
+    ) -> Result<(String, String), ConfigError> {
         let text = node.text().map(str::trim).filter(|text| !text.is_empty());
         let text = text.ok_or_else(|| self.error(node.span.start, "expected a rule: a code, a name or a family"))?;
         let word = (text.to_owned(), self.origin(node, true));
@@ -203,7 +184,7 @@ impl Reader<'_> {
     }
 
     /// The word of the required key `rule`.
-    fn rule_of(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<String, ConfigError> {
+    pub(super) fn rule_of(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<String, ConfigError> {
         match item.get("rule") {
             Some(node) => Ok(self.rule_word(node, named)?.0),
             None => Err(self.error(item.span.start, "`rule` is missing: a code, a name or a family")),
@@ -290,7 +271,7 @@ impl Reader<'_> {
     }
 
     /// A number and its unit: `3 deg`.
-    fn quantity(&self, node: &Node) -> Result<(f64, String), ConfigError> {
+    pub(super) fn quantity(&self, node: &Node) -> Result<(f64, String), ConfigError> {
         let text = node.text().unwrap_or_default().trim();
         let end = text
             .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E')))
@@ -331,87 +312,6 @@ impl Reader<'_> {
             until,
             origin: self.origin(item, false),
             span: item.span,
-        })
-    }
-
-    /// The share of the applicable checks that must be evaluated.
-    fn share(&self, node: &Node) -> Result<RequiredShare, ConfigError> {
-        let share = node.text().and_then(|text| text.trim().parse().ok());
-        let share = share.filter(|share| (0.0..=1.0).contains(share));
-        Ok(RequiredShare {
-            share: share
-                .ok_or_else(|| self.error(node.span.start, "`share` must be a number from 0 to 1: `share: 0.8`"))?,
-            origin: self.origin(node, false),
-        })
-    }
-
-    fn requirement(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Requirement, ConfigError> {
-        let origin = self.origin(item, false);
-        if !item.is_mapping() {
-            let (rule, _) = self.rule_word(item, named)?;
-            return Ok(Requirement {
-                rule,
-                subject: None,
-                force: Force::Always,
-                smaller_than: None,
-                origin,
-            });
-        }
-        self.keys(item, &["rule", "subject", "if", "lifted"])?;
-        let rule = self.rule_of(item, named)?;
-        self.required(item, rule)
-    }
-
-    /// A known mistake or a family of them, by its name, or by its name and the size from which on it must be found.
-    fn detection(&self, item: &Node, mistake: &Node) -> Result<Requirement, ConfigError> {
-        let (name, smaller_than) = if mistake.is_mapping() {
-            self.keys(mistake, &["fault", "smaller-than"])?;
-            let size = mistake
-                .get("smaller-than")
-                .map(|size| self.quantity(size))
-                .transpose()?;
-            (
-                self.required_text(mistake, "fault", "the name of a known mistake")?,
-                size,
-            )
-        } else {
-            let text = mistake.text().map(str::trim).filter(|text| !text.is_empty());
-            let what = "expected the name of a known mistake, or `{fault: time-offset, smaller-than: 50 ms}`";
-            (
-                text.ok_or_else(|| self.error(mistake.span.start, what))?.to_owned(),
-                None,
-            )
-        };
-        Ok(Requirement {
-            smaller_than,
-            origin: self.origin(mistake, true),
-            ..self.required(item, name)?
-        })
-    }
-
-    /// What an entry requires of a rule or of a known mistake.
-    fn required(&self, item: &Node, rule: String) -> Result<Requirement, ConfigError> {
-        let force = match (
-            item.get("lifted"),
-            self.word(item, "if", &[("applicable", Force::IfApplicable)])?,
-        ) {
-            (None, force) => force.unwrap_or(Force::Always),
-            (Some(_), None) => Force::Lifted(self.required_text(
-                item,
-                "lifted",
-                "the reason why it is not required, for readers of the report",
-            )?),
-            (Some(_), Some(_)) => {
-                let what = "`if` and `lifted` exclude each other: a lifted rule is not required at all";
-                return Err(self.error(item.span.start, what));
-            }
-        };
-        Ok(Requirement {
-            rule,
-            subject: self.glob(item, "subject")?,
-            force,
-            smaller_than: None,
-            origin: self.origin(item, false),
         })
     }
 }
@@ -500,17 +400,6 @@ mod tests {
         assert!(fault("limits: {X: {a: three}}\n").contains("expected a number with its unit"));
         assert!(fault("limits: {X: 3}\n").contains("`limits` must map each rule"));
         assert!(fault("paths: [{file: a}]\n").contains("this changes nothing"));
-        assert!(fault("require: [{subject: a}]\n").contains("`rule` is missing"));
-        assert!(fault("require: [{rule: a, if: maybe}]\n").contains("`if` must be one of applicable"));
-        assert!(fault("require: [{rule: a, lifted: ''}]\n").contains("`lifted` must be the reason"));
-        assert!(fault("require: [{rule: a, if: applicable, lifted: b}]\n").contains("exclude each other"));
-        for share in ["80", "-0.1", "most", "nan"] {
-            let fault = fault(&format!("require: [{{share: {share}}}]\n"));
-            assert_eq!(
-                fault, "c.yaml:1:19: `share` must be a number from 0 to 1: `share: 0.8`",
-                "{share}"
-            );
-        }
         assert!(fault("rules: {selct: [a]}\n").contains("did you mean `select`?"));
     }
 }

@@ -174,7 +174,7 @@ pub const ODOMETRY: &[FaultSpec] = &[
     (
         "odom -x",
         &[Error::XNegated],
-        (&["mirrored"], &[MIRRORED, POSITION, "moves backwards throughout"]),
+        (&["mirrored"], &[MIRRORED, POSITION, "moves backwards"]),
     ),
     ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED, POSITION])),
     (

@@ -111,7 +111,7 @@ pub const MADE: &[FrameWorld] = &[
     }),
     FrameWorld::wrong(
         "base backward",
-        (&[], &["moves backwards throughout", "a sensor mounted backwards"]),
+        (&[], &["moves backwards", "a sensor mounted backwards"]),
         |drive| drive.on(Error::Backward),
     ),
     // Frames of the world.

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::analysis::motion::Track;
 use crate::math::drifting::{aligned_drifting, fit_drifting};
 use crate::math::similarity2::{path_length, spread};
-use crate::math::stats::median;
+use crate::math::stats::{mad, median};
 
 /// Interval between two evaluations of a growing window, seconds.
 const LOOK_EVERY_S: f64 = 1.0;
@@ -30,6 +30,8 @@ pub(crate) struct Votes {
     remains: Vec<f64>,
     /// The same of the windows that voted.
     voted_remains: Vec<f64>,
+    /// Metres of the GNSS track for a metre of odometry, in the windows that voted.
+    scales: Vec<f64>,
     /// Start and end of the windows that voted, seconds after the recording's start.
     voted_s: Vec<(f64, f64)>,
 }
@@ -150,6 +152,13 @@ impl Votes {
         median(&self.voted_remains).filter(|remains| *remains > limits.mirror_leaves)
     }
 
+    /// Metres of the GNSS track for a metre of odometry, and the standard error: the scatter of the windows, at least their residual over the
+    /// extent of the track. `None` where none voted.
+    pub(crate) fn scale(&self) -> Option<(f64, f64)> {
+        let (scale, remains) = (median(&self.scales)?, median(&self.voted_remains)?);
+        Some((scale, mad(&self.scales)?.max(remains * scale)))
+    }
+
     /// Lowest residual over the extent of the GNSS track, if there are enough windows and none is explained.
     pub(crate) fn unexplained(&self, limits: &Limits) -> Option<f64> {
         let least = self.remains.iter().copied().fold(f64::INFINITY, f64::min);
@@ -190,6 +199,8 @@ impl Votes {
             of_mirrored.push(mirrored);
             self.voted_s.push((*first, *last));
             self.voted_remains.push(remains);
+            let better = if turned < mirrored { fits.proper } else { fits.improper };
+            self.scales.push(better.scale);
         }
         true
     }
@@ -211,4 +222,6 @@ pub(crate) struct Limits {
     pub(crate) unexplained: f64,
     pub(crate) mirror_leaves: f64,
     pub(crate) unexplained_windows: usize,
+    pub(crate) max_scale: f64,
+    pub(crate) sigmas: f64,
 }

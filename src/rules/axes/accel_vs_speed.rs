@@ -21,12 +21,14 @@ impl Rule for AccelVsSpeed {
 
 fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelFit, limits: &Limits, out: &mut Judge) {
     let is_left = pushed.hand == Some(Hand::Left) && !sensor.push_is_against_a_simulator();
-    let mut measured = vec![
+    // Left-handed axes are no yaw.
+    let yaw = (!is_left).then(|| {
         Measured::new("yaw that the mounting lacks", pushed.yaw_deg, "deg")
             .turn()
             .limit(limits.max_yaw_deg)
-            .spread(pushed.error_deg),
-    ];
+            .spread(pushed.error_deg)
+    });
+    let mut measured: Vec<Measured> = yaw.into_iter().collect();
     let over = [
         (pushed.speeding, "the change of speed"),
         (pushed.curving, "speed times turn rate"),

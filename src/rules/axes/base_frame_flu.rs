@@ -61,10 +61,7 @@ fn judge_seen(base: &Base, subject: String, seen: &BaseEstimate, limits: &Limits
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
         Some(_) if seen.is_backward() => {
-            let message = format!(
-                "`{}` moves backwards throughout ({:.0} m along -x)",
-                base.frame, seen.way_m
-            );
+            let message = format!("`{}` moves backwards ({:.0} m along -x)", base.frame, seen.way_m);
             let finding = Finding::note(subject, message, base.place.clone())
                 .hint()
                 .detail("Either the platform drove in reverse, or its x axis points to the rear.");

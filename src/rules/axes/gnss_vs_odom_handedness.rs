@@ -1,12 +1,14 @@
 //! AXES07: an odometry track that is the mirror image of the GNSS track.
 
+mod scale;
+
 use std::cell::OnceCell;
 
 use crate::advice::diagnosis::swapped_track;
 use crate::analysis::axes::hand::{exchanged_track, min_minor_m};
 use crate::analysis::axes::handedness::{Limits, Votes};
 use crate::analysis::motion::{Motion, Stream, Track};
-use crate::analysis::{axes::plots, axes::worlds::Worlds, names};
+use crate::analysis::{axes::plots, axes::worlds::Worlds};
 use crate::rules::prelude::*;
 use crate::verdict::{Plot, UNEXPLAINED};
 use crate::world::motion::{FixRow, PoseRow};
@@ -25,6 +27,7 @@ impl Rule for GnssVsOdomHandedness {
                 let exchanged = OnceCell::new();
                 let exchanged = || exchanged.get_or_init(|| exchanged_track(fixes)).as_deref();
                 let mut cause: Option<String> = None;
+                let mut scales = Vec::new();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     if poses.is_earth_centred() {
@@ -56,7 +59,14 @@ impl Rule for GnssVsOdomHandedness {
                             cause.get_or_insert_with(|| subject.clone());
                             out.fail(better(Finding { subject, ..finding }));
                         }
-                        None => judge_votes(&subject, poses, fixes, (&votes, better), minor_m, limits, out),
+                        None => judge_votes(
+                            &subject,
+                            (poses, fixes, &mut scales),
+                            (&votes, better),
+                            minor_m,
+                            limits,
+                            out,
+                        ),
                     }
                 }
             }
@@ -79,8 +89,7 @@ fn plot(
 
 fn judge_votes(
     subject: &str,
-    poses: &Stream<PoseRow>,
-    fixes: &Stream<FixRow>,
+    (poses, fixes, scales): (&Stream<PoseRow>, &Stream<FixRow>, &mut Vec<scale::WrongScale>),
     (votes, better): (&Votes, impl FnOnce(Finding) -> Finding),
     minor_m: f64,
     limits: &Limits,
@@ -98,8 +107,7 @@ fn judge_votes(
     let agreement = votes.agreement();
     let Some(is_mirrored) = votes.majority(limits) else {
         // The pose may be of another body.
-        let is_of_platform = poses.is_way() && poses.child.as_ref().is_some_and(names::is_base);
-        if let Some(least) = votes.unexplained(limits).filter(|_| is_of_platform) {
+        if let Some(least) = votes.unexplained(limits).filter(|_| scale::is_of_platform(poses)) {
             let finding = unexplained(subject, poses, fixes, (least, limits.unexplained, votes.windows));
             return out.fail(better(finding));
         }
@@ -116,7 +124,8 @@ fn judge_votes(
         Measured::new("agreement of windows", agreement, "1").at_least(limits.min_agreement),
     ];
     if !is_mirrored {
-        return out.pass(subject, measured);
+        out.pass(subject, measured);
+        return scale::judge(poses, fixes, scales, votes, limits, out);
     }
     if let Some(part) = votes.loosely(limits) {
         let finding = unexplained(subject, poses, fixes, (part, limits.mirror_leaves, all));

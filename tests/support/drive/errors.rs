@@ -78,6 +78,8 @@ pub enum Error {
     YNegated,
     /// z with the other sign.
     ZNegated,
+    /// Positions 1.25 times as far from the start.
+    Scaled,
     /// x and y swapped: north and east taken for x and y.
     SwapXy,
     /// Eastings and northings of the UTM grid from the origin's, and a yaw from grid east: a grid taken for ENU.

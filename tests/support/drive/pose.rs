@@ -151,6 +151,7 @@ pub fn apply_position(row: &mut PoseRow, error: Error) -> bool {
         Error::YNegated => [x, -y, z],
         Error::ZNegated => [x, y, -z],
         Error::SwapXy => [y, x, z],
+        Error::Scaled => row.position.map(|at| 1.25 * at),
         _ => return false,
     };
     true

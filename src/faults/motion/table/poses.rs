@@ -79,7 +79,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         x_negated,
         ["mirrored"],
-        [MIRRORED, POSITION, "moves backwards throughout"],
+        [MIRRORED, POSITION, "moves backwards"],
         ["AXES07", "AXES08 velocity"],
         WITH_FIXES
     ),
