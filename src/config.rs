@@ -457,7 +457,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn fault(text: &str) -> String {
+    /// The error of a configuration.
+    pub(super) fn fault(text: &str) -> String {
         parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
     }
 

@@ -16,6 +16,13 @@ use super::settings::Settings;
 #[derive(Default)]
 pub struct KeptResults(Mutex<HashMap<(TypeId, u64), Arc<dyn Any + Send + Sync>>>);
 
+/// Adds numbers to the hash of an input of [`Estimates::shared`], bit by bit.
+pub(crate) fn hash_numbers(hasher: &mut DefaultHasher, numbers: impl IntoIterator<Item = f64>) {
+    for number in numbers {
+        hasher.write_u64(number.to_bits());
+    }
+}
+
 /// Input of the rules: the world, the limits in force, and estimates, each made on first use.
 ///
 /// It dereferences to the world. It belongs to one thread: nothing is locked while an estimate is made, so an estimate may use

@@ -3,13 +3,13 @@
 //! Owns the position of the search, and which of six sides is the ground. Must not judge.
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::DefaultHasher;
 use std::rc::Rc;
 
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::analysis::{Estimates, lidar::Clouds, names};
+use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, names};
 use crate::math::support_plane::{Options, SupportPlane, support_plane};
 use crate::world::World;
 
@@ -148,8 +148,7 @@ pub(crate) fn sides(world: &Estimates, clouds: &Clouds, sensor_in_cloud: &Vector
             let points = sample.points.iter().step_by(step);
             let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
             let numbers = |hasher: &mut DefaultHasher| {
-                let numbers = points.iter().flat_map(|point| point.iter());
-                numbers.for_each(|number| hasher.write_u64(number.to_bits()));
+                hash_numbers(hasher, points.iter().flat_map(|point| point.iter()).copied());
             };
             *world.shared(numbers, || {
                 SIDES.map(|(side, _)| support_plane(&points, &Vector3::from(side), &Options::default()))

@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 use crate::analysis::ground::{Ground, Planes, SIDES, sensor_in_cloud};
 use crate::analysis::scan_motion::moved::{Moment, ScanStep};
 use crate::analysis::scan_motion::run::{CloudPose, Matching, RawCloud};
-use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, motion::mount::mount};
+use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, motion::Motion, motion::mount::mount};
 use crate::math::{stats::median, support_plane::SupportPlane};
 use crate::world::{World, cloud::CloudSlice};
 
@@ -186,23 +186,16 @@ impl Flattening {
 
     /// Everything that [`runs`] depends on.
     fn hash(&self, clouds: &Clouds, hasher: &mut DefaultHasher) {
-        let mut number = |value: f64| hasher.write_u64(value.to_bits());
-        self.level_from_cloud.coords.iter().copied().for_each(&mut number);
+        hash_numbers(hasher, self.level_from_cloud.coords.iter().copied());
         if let Some((upright, sensor)) = &self.ground {
-            number(upright.height_m);
-            upright.up.iter().chain(sensor).copied().for_each(&mut number);
+            hash_numbers(hasher, [upright.height_m]);
+            hash_numbers(hasher, upright.up.iter().chain(sensor).copied());
         }
         for run in &clouds.evidence.runs {
-            number(run.len() as f64);
+            hash_numbers(hasher, [run.len() as f64]);
             for slice in run {
-                number(slice.points.len() as f64);
-                slice
-                    .points
-                    .iter()
-                    .flatten()
-                    .chain(&slice.after)
-                    .copied()
-                    .for_each(&mut number);
+                hash_numbers(hasher, [slice.points.len() as f64]);
+                hash_numbers(hasher, slice.points.iter().flatten().chain(&slice.after).copied());
             }
         }
         hasher.write_i64(clouds.bag.start_ns.unwrap_or_default());

@@ -80,12 +80,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use std::path::Path;
 
-    use super::super::parse;
+    use super::super::{parse, tests::fault};
     use super::*;
-
-    fn fault(text: &str) -> String {
-        parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
-    }
 
     #[test]
     fn aliases_and_transforms_are_read() {

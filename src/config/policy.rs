@@ -321,15 +321,11 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use std::path::Path;
 
-    use super::super::{Config, parse};
+    use super::super::{Config, parse, tests::fault};
     use super::*;
 
     fn config(text: &str) -> Config {
         parse("c.yaml", text.to_owned(), Path::new("")).unwrap()
-    }
-
-    fn fault(text: &str) -> String {
-        parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
     }
 
     #[test]

@@ -122,14 +122,7 @@ impl Reader<'_> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
-    use std::path::Path;
-
-    use super::super::parse;
-
-    fn fault(text: &str) -> String {
-        parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
-    }
+    use super::super::tests::fault;
 
     #[test]
     fn faults_have_a_place() {

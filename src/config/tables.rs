@@ -122,15 +122,11 @@ fn value(node: &Node) -> serde_yaml::Value {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::{Config, parse};
+    use super::super::{Config, parse, tests::fault};
     use super::*;
 
     fn config(text: &str, folder: &Path) -> Result<Config, ConfigError> {
         parse("c.yaml", text.to_owned(), folder)
-    }
-
-    fn fault(text: &str) -> String {
-        config(text, Path::new("")).unwrap_err().0
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Yaw error of a lidar's mounting.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::DefaultHasher;
 
 use nalgebra::Vector2;
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, in_plane};
-use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, scan_motion::LevelClouds};
+use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, motion::Motion, scan_motion::LevelClouds};
 use crate::math::circular::{circular_mean, difference};
 use crate::math::yaw_search::{Pair, YawCosts, search};
 use crate::verdict::{Measured, NotEvaluated};
@@ -159,17 +159,12 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
 
 /// Everything that the costs of yaws depend on.
 fn hash(pairs: &[Pair], place: Vector2<f64>, hasher: &mut DefaultHasher) {
-    let mut number = |value: f64| hasher.write_u64(value.to_bits());
-    place.iter().copied().for_each(&mut number);
+    hash_numbers(hasher, place.iter().copied());
     for pair in pairs {
-        pair.body.to_homogeneous().iter().copied().for_each(&mut number);
+        hash_numbers(hasher, pair.body.to_homogeneous().iter().copied());
         for points in [&pair.from, &pair.to] {
-            number(points.len() as f64);
-            points
-                .iter()
-                .flat_map(|point| point.iter())
-                .copied()
-                .for_each(&mut number);
+            hash_numbers(hasher, [points.len() as f64]);
+            hash_numbers(hasher, points.iter().flat_map(|point| [point.x, point.y]));
         }
     }
 }

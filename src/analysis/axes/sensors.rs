@@ -120,6 +120,7 @@ fn sensors(
         }
         // Where the course turns unlike the gyro, the platform does not move where it faces.
         if let Ok(seen) = &mut sensor.push
+            && seen.hand.is_some()
             && let Some(track) = tracks.asked.iter().find(|track| track.subject == seen.track)
             && gyro_vs_track::is_uncoupled(&integrals, track, &sense)
         {

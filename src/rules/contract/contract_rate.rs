@@ -62,7 +62,10 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     };
     let finding = Finding::warning(&term.subject, message, term.terms.place.clone())
         .label("rate by the contract")
-        .detail("The rate is that of the log times, from the first message of the topic to its last, or to the end of the recording if that is more than three steps later.")
+        .detail(
+            "The rate is that of the log times, from the first message of the topic to its last, or to the \
+             end of the recording if that is more than three steps later.",
+        )
         .help(format!("{help}; {MEANT}"))
         .measured(measured)
         .related(Place::of(bag.source, topic.stamps.first.as_ref()), "first message");
