@@ -10,6 +10,7 @@ pub(crate) mod literal;
 pub(crate) mod packets;
 pub(crate) mod places;
 pub(crate) mod restate;
+pub(crate) mod scale;
 pub(crate) mod stated;
 pub(crate) mod subject;
 pub(crate) mod tally;

@@ -24,6 +24,10 @@ const SAME_M: f64 = 0.001;
 const AT_THE_ENDS: f64 = 0.25;
 /// Fewer messages may come by chance.
 const MIN_MESSAGES: u64 = 10;
+/// Of fewer messages none may come later than a quarter of a step if they are to be steady: a timer is more exact.
+const FEW_MESSAGES: u64 = 30;
+/// Share of gaps of more than three steps; where messages come by chance it is an eighth.
+const GAPS: f64 = 0.05;
 /// More frames are data, such as those of markers.
 const MAX_FRAMES: usize = 4;
 
@@ -135,7 +139,24 @@ fn is_always_there(bag: &BagEvidence, topic: &TopicEvidence) -> bool {
         );
         Some(before as f64 <= margin && after as f64 <= margin)
     };
-    topic.latched || count >= MIN_MESSAGES && within().unwrap_or(false)
+    topic.latched || count >= MIN_MESSAGES && within().unwrap_or(false) && !comes_by_chance(topic, count)
+}
+
+/// Whether the messages of a topic are events: the gaps between its stamps are as of what comes by chance. Few without stamps may be.
+fn comes_by_chance(topic: &TopicEvidence, count: u64) -> bool {
+    let stamps = &topic.stamps;
+    let Some(step_ns) = stamps.median_step_ns.filter(|step| *step > 0) else {
+        return count < FEW_MESSAGES;
+    };
+    let has_long = || {
+        let longest = stamps.largest_gap.as_ref().map_or(0, |(gap_ns, _)| *gap_ns);
+        longest - step_ns > step_ns / 4
+    };
+    if count < FEW_MESSAGES {
+        has_long()
+    } else {
+        stamps.long_gaps as f64 > GAPS * stamps.count as f64
+    }
 }
 
 /// The rate of a topic that is steady in all of the recordings.
@@ -144,7 +165,8 @@ fn rate_hz(all: &[Recorded]) -> Option<f64> {
     for (bag, topic) in all {
         let [least, most] = bag.rate_hz(topic).filter(|_| !topic.latched)?;
         let usual = 1e9 / topic.stamps.median_step_ns.filter(|step| *step > 0)? as f64;
-        let is_steady = [least, most].iter().all(|rate| (rate / usual - 1.0).abs() <= STEADY);
+        let is_steady = [least, most].iter().all(|rate| (rate / usual - 1.0).abs() <= STEADY)
+            && !comes_by_chance(topic, topic.total.unwrap_or(topic.count));
         rates.push(least);
         if !is_steady {
             return None;
@@ -202,4 +224,56 @@ fn transforms(bags: &[&BagEvidence]) -> BTreeMap<(FrameId, FrameId), TransformTe
     let each = edges.into_iter();
     each.filter_map(|(frames, edges)| Some((frames, terms(&edges)?)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::indexing_slicing, clippy::cast_possible_truncation)]
+    use super::*;
+    use crate::source::MessageRef;
+    use crate::world::bag::StampEvidence;
+
+    /// A topic whose stamps have these gaps, seconds.
+    fn topic(gaps_s: &[f64]) -> TopicEvidence {
+        let mut sorted = gaps_s.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let ns = |seconds: f64| (seconds * 1e9) as i64;
+        let at = MessageRef {
+            topic: "/events".to_owned(),
+            index: 1,
+            stamp_ns: None,
+            log_ns: 0,
+            field: None,
+        };
+        let [median, longest] = [sorted.len() / 2, sorted.len() - 1].map(|at| ns(sorted[at]));
+        TopicEvidence {
+            stamps: StampEvidence {
+                count: gaps_s.len() as u64 + 1,
+                median_step_ns: Some(median),
+                largest_gap: Some((longest, at)),
+                long_gaps: gaps_s
+                    .iter()
+                    .filter(|gap| ns(**gap) > 3 * median && **gap > 1.0)
+                    .count() as u64,
+                ..StampEvidence::default()
+            },
+            ..TopicEvidence::default()
+        }
+    }
+
+    /// Gaps of a Poisson process are exponential: these are its quantiles.
+    #[test]
+    fn what_comes_by_chance_is_no_stream() {
+        let events = |count: u32| {
+            let quantile = |i: u32| -5.0 * (1.0 - (f64::from(i) + 0.5) / f64::from(count)).ln();
+            topic(&(0..count).map(quantile).collect::<Vec<_>>())
+        };
+        for count in [10, 20, 60, 500] {
+            assert!(comes_by_chance(&events(count), u64::from(count) + 1), "{count}");
+        }
+        let steady = |count: u32| topic(&(0..count).map(|i| 5.0 + 0.5 * f64::from(i % 3)).collect::<Vec<_>>());
+        for count in [10, 20, 60, 500] {
+            assert!(!comes_by_chance(&steady(count), u64::from(count) + 1), "{count}");
+        }
+    }
 }

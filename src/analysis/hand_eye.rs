@@ -7,7 +7,7 @@ use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vect
 use crate::analysis::motion::{BagMotion, Motion, Orientations, Stream};
 use crate::analysis::scan_motion::moved::{Moment, ScanStep};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
-use crate::analysis::{Estimates, lidar::Clouds, time::sweep::sweeps_the_other_way};
+use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, time::sweep::sweeps_the_other_way};
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
 use crate::world::{FrameId, World, motion::PoseRow};
@@ -161,7 +161,7 @@ impl HandEye {
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
         let of = |(poses, body, stated): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
-            let (pairs, late) = pairs(steps, &moved, poses);
+            let (pairs, late) = pairs(world, steps, &moved, poses);
             Self {
                 pairs,
                 late,
@@ -254,10 +254,17 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
 }
 
 /// The motions of both between matched clouds, and their time offset.
-fn pairs(steps: &Steps, moved: &[ScanStep], poses: &Stream<PoseRow>) -> (Vec<Pair>, TimeShift) {
+fn pairs(world: &Estimates, steps: &Steps, moved: &[ScanStep], poses: &Stream<PoseRow>) -> (Vec<Pair>, TimeShift) {
     let (turned, track) = (Orientations::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
-    let late = late(moved, poses, &turned);
+    let numbers = moved.iter().flat_map(|moved| {
+        let [from_s, to_s] = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s));
+        [from_s, to_s, moved.turned_rad()]
+    });
+    let late = *world.shared(
+        |hasher| hash_numbers(hasher, numbers.chain(turned.numbers())),
+        || late(moved, poses, &turned),
+    );
     let pair = |moved: &ScanStep| {
         let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late.by_s);
         let [Some(from), Some(to)] = times.map(at) else {

@@ -29,7 +29,7 @@ impl Healthy {
         Self { verdict, keys }
     }
 
-    /// The findings of another verdict that are not among these; hints left out.
+    /// The findings of another verdict that are not among these; hints left out, and what the user accepts.
     pub(super) fn new_in<'v>(&self, altered: &'v Verdict) -> Vec<&'v Finding> {
         let mut known: BTreeMap<&Key, usize> = BTreeMap::new();
         for key in &self.keys {
@@ -43,7 +43,8 @@ impl Healthy {
             _ => true,
         };
         let new = altered.findings.iter().filter(is_new);
-        new.filter(|finding| finding.confidence > Confidence::Hint).collect()
+        let counts = |finding: &&Finding| finding.confidence > Confidence::Hint && finding.waived.is_none();
+        new.filter(counts).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::faults::{Seers, Subject};
 use crate::source::Confidence;
-use crate::verdict::{Bound, Measured, Outcome, Row, Verdict};
+use crate::verdict::{Bound, Finding, Measured, Outcome, Row, Verdict};
 
 /// Why a mistake is missed, and what would show it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -14,8 +14,11 @@ pub struct Miss {
 }
 
 impl Miss {
-    /// By the rows of a verdict on data with the mistake; `record` is what shows it in general.
-    pub(super) fn of(seen_by: Seers, subject: &Subject, altered: &Verdict, record: &str) -> Self {
+    /// By the rows of verdicts on the data without and with the mistake; `record` is what shows it in general.
+    pub(super) fn of(seen_by: Seers, subject: &Subject, [healthy, altered]: [&Verdict; 2], record: &str) -> Self {
+        if let Some(hidden) = Self::hidden(seen_by, subject, [healthy, altered]) {
+            return hidden;
+        }
         let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| seen_by.wrote(row)).collect();
         let position = |row: &Row| seen_by.codes().position(|seer| seer == row.rule);
         // A row may also be about something else with the same frame.
@@ -62,6 +65,49 @@ impl Miss {
             },
         }
     }
+    /// Where the data have it, and the user accepts the finding that shows it.
+    pub(super) fn accepted(finding: &Finding) -> Option<Self> {
+        let why = finding.waived.as_ref()?.words();
+        Some(Self {
+            reason: format!("{} fails {}, which is accepted: {why}", finding.rule, finding.subject),
+            record: let_it(&finding.rule),
+        })
+    }
+
+    /// Where a rule would show it, and the user does not want to know.
+    fn hidden(seen_by: Seers, subject: &Subject, [healthy, altered]: [&Verdict; 2]) -> Option<Self> {
+        let was = |row: &Row| {
+            let mut rows = healthy.rows.iter();
+            let before = rows.find(|other| other.rule == row.rule && other.subject == row.subject);
+            before.map(|row| row.outcome)
+        };
+        let is_hidden = |row: &&Row| match row.outcome {
+            Outcome::Waived => true,
+            Outcome::NotEvaluated => was(row).is_some_and(Outcome::is_judged) && is_off(row),
+            _ => false,
+        };
+        let seen = altered.rows.iter().filter(|row| seen_by.wrote(row));
+        let about = seen.filter(|row| subject.is_in(&row.subject));
+        let row = about
+            .filter(is_hidden)
+            .min_by_key(|row| was(row) == Some(row.outcome))?;
+        Some(Self {
+            reason: reason(row, altered),
+            record: let_it(&row.rule),
+        })
+    }
+}
+
+/// What to do where a rule would show a mistake.
+fn let_it(rule: &str) -> String {
+    format!("nothing: {rule} shows it where its findings are not accepted")
+}
+
+/// Whether the configuration turns a rule off for a file.
+fn is_off(row: &Row) -> bool {
+    row.reason
+        .as_deref()
+        .is_some_and(|why| why.starts_with("off for this file"))
 }
 
 fn reason(row: &Row, altered: &Verdict) -> String {
@@ -72,6 +118,7 @@ fn reason(row: &Row, altered: &Verdict) -> String {
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
         }
         Outcome::Fail if is_hint(row, altered) => format!("{} gives only a hint about {}", row.rule, row.subject),
+        Outcome::Waived => format!("{} fails {}, which is accepted: {why}", row.rule, row.subject),
         Outcome::Fail => format!(
             "{} fails {} without the mistake, too: correct that first",
             row.rule, row.subject

@@ -84,6 +84,8 @@ pub struct Assurance {
     pub faults: Vec<&'static Fault>,
     /// Subjects that were not tried, because there are too many, by the names of the mistakes.
     pub omitted: BTreeMap<&'static str, usize>,
+    /// Rules that judge nothing without some part of the drive, if that was tried.
+    pub unsteady: BTreeSet<String>,
 }
 
 impl Assurance {
@@ -103,6 +105,7 @@ impl Assurance {
     pub fn join(&mut self, other: Self) {
         self.trials.extend(other.trials);
         self.smallest.extend(other.smallest);
+        self.unsteady.extend(other.unsteady);
         for fault in other.faults {
             if !self.faults.iter().any(|known| known.name == fault.name) {
                 self.faults.push(fault);
@@ -158,6 +161,10 @@ pub fn assure(world: &World, rules: &dyn RuleRunner, selection: &Selection, prog
         smallest: sizes::smallest(&platform.base, searches, &step),
         faults: selection.faults.clone(),
         omitted,
+        unsteady: shorter
+            .iter()
+            .flat_map(|other| platform.judges_more_than(other))
+            .collect(),
     }
 }
 

@@ -288,6 +288,8 @@ impl Search<'_> {
                 record: self.fault.record.to_owned(),
             };
         };
-        Miss::of(self.fault.seen_by, self.subject, &altered, self.fault.record)
+        let healthy = self.base.healthy(self.fault.seen_by);
+        let verdicts = [&healthy.verdict, &altered];
+        Miss::of(self.fault.seen_by, self.subject, verdicts, self.fault.record)
     }
 }

@@ -24,6 +24,20 @@ impl<'w> Platform<'w> {
         }
     }
 
+    /// The rules that judge something here, and nothing on another platform.
+    pub(super) fn judges_more_than(&self, other: &Self) -> BTreeSet<String> {
+        let judged = |platform: &Self| -> BTreeSet<String> {
+            let rows = platform
+                .healthy
+                .verdict
+                .rows
+                .iter()
+                .filter(|row| row.outcome.is_judged());
+            rows.map(|row| row.rule.to_string()).collect()
+        };
+        &judged(self) - &judged(other)
+    }
+
     /// Puts a mistake into a subject; none if that changes nothing.
     pub(super) fn try_one(&self, fault: &'static Fault, subject: &Subject) -> Option<Trial> {
         let mut world = self.base.world.clone();
@@ -69,16 +83,18 @@ impl<'w> Platform<'w> {
         let is_it = |finding: &&Finding| {
             fault.seen_by.has(&finding.rule) && subject.is_in(&finding.subject) && fault.is_named_by(finding, &same)
         };
-        let present = findings.filter(is_it);
-        let present: Vec<&Finding> = present.collect();
+        let (accepted, present): (Vec<&Finding>, Vec<&Finding>) =
+            findings.filter(is_it).partition(|finding| finding.waived.is_some());
         if !present.is_empty() {
             return Some(trial(TrialOutcome::Present, &present, None));
         }
-        Some(trial(
-            TrialOutcome::Missed,
-            &[],
-            Some(Miss::of(fault.seen_by, subject, &altered, fault.record)),
-        ))
+        // What the user accepts is not found.
+        let accepted = accepted.first().and_then(|finding| Miss::accepted(finding));
+        let miss = accepted.unwrap_or_else(|| {
+            let verdicts = [&self.healthy.verdict, &altered];
+            Miss::of(fault.seen_by, subject, verdicts, fault.record)
+        });
+        Some(trial(TrialOutcome::Missed, &[], Some(miss)))
     }
 }
 

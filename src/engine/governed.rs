@@ -176,13 +176,16 @@ impl Configurations {
             note(sources, config, format!("`xacro` has no effect: {why}"));
         }
         let in_force = self.in_force.lock().map(|known| known.clone()).unwrap_or_default();
-        let idle = (1..).zip(&self.deeper).filter(|(at, _)| !in_force.contains(at));
-        for config in idle.filter_map(|(_, one)| one.config.as_ref()) {
+        let idle = self.each().enumerate().filter(|(at, _)| !in_force.contains(at));
+        let has_platforms = !in_force.is_empty();
+        for (at, config) in idle.filter_map(|(at, one)| Some((at, one.config.as_ref()?))) {
             let keys: Vec<String> = config.keys_of_platforms().map(|key| format!("`{key}`")).collect();
-            if !keys.is_empty() {
-                let keys = keys.join(", ");
-                let why = "the platform's recordings or description are outside of this folder";
-                note(sources, config, format!("no effect of {keys}: {why}"));
+            let why = match at {
+                0 => "configurations in deeper folders govern all platforms; they can extend this one",
+                _ => "the platform's recordings or description are outside of this folder",
+            };
+            if !keys.is_empty() && (at > 0 || has_platforms) {
+                note(sources, config, format!("no effect of {}: {why}", keys.join(", ")));
             }
         }
     }

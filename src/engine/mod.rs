@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::assure::{Assurance, RuleRunner};
+use crate::assure::RuleRunner;
 use crate::collect::CollectOptions;
 use crate::config::Config;
 use crate::progress::Progress;
@@ -150,16 +150,6 @@ impl Setup<'_> {
         }
     }
 
-    /// Tries mistakes on judged worlds, if that is wanted or required; each assurance has the index of its configuration.
-    fn assure(&self, worlds: &[World]) -> Vec<(usize, Assurance)> {
-        let each = worlds.iter().map(|world| (self.governed.of(world), world));
-        each.filter_map(|(governed, world)| {
-            let assurance = assured::assure(world, self.governed.at(governed), self.options)?;
-            Some((governed, assurance))
-        })
-        .collect()
-    }
-
     /// One verdict for each world, with the index of its configuration; if there are several, subjects begin with the world's name.
     fn judge(&self, worlds: &mut [World], several: bool) -> Vec<(usize, Verdict)> {
         parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
@@ -188,24 +178,29 @@ impl Setup<'_> {
 /// One verdict for everything.
 fn together(setup: &Setup, inputs: Inputs, saved: Vec<SavedEvidence>) -> Result<Run, UsageError> {
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, mut verdicts, plan) = settle(&inputs, setup, others);
+    let (worlds, mut verdicts, plan) = settle(&inputs, setup, others);
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let seen = setup.seen(&worlds);
-    let mut assured = setup.assure(&worlds);
     let fitness = setup.fitness(&worlds, &verdicts);
-    let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
+    let sources = worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default();
+    let mut run = setup.run(sources, inputs.skipped);
     plan.note(&mut run.sources);
     run.seen = seen;
     run.fitness = fitness;
-    run.worlds = worlds;
+    let (own, governed) = (worlds.len(), verdicts.iter().map(|(governed, _)| *governed));
+    let mut worlds: Vec<(usize, World)> = governed.zip(worlds).collect();
     for saved in saved {
-        verdicts.extend(add_saved(setup, saved, several, (&mut run, &mut labels, &mut assured)));
+        verdicts.extend(add_saved(setup, saved, several, (&mut run, &mut labels, &mut worlds)));
     }
     if several {
         run.platforms = labels;
     }
     let policy = RunPolicy::new(setup.options, &setup.governed, &mut run.sources)?;
+    let assured = setup.assure(worlds.iter().map(|(governed, world)| (*governed, world)), &policy);
+    worlds.truncate(own);
+    run.worlds = worlds.into_iter().map(|(_, world)| world).collect();
+    run.worlds.iter_mut().for_each(|world| world.sources = Arc::default());
     let (verdict, mut applied) = policy.apply(
         verdicts,
         (&run.sources, &run.platforms),
@@ -233,7 +228,7 @@ fn add_saved(
     setup: &Setup,
     saved: SavedEvidence,
     several: bool,
-    (run, labels, assured): (&mut Run, &mut Vec<String>, &mut Vec<(usize, Assurance)>),
+    (run, labels, kept): (&mut Run, &mut Vec<String>, &mut Vec<(usize, World)>),
 ) -> Vec<(usize, Verdict)> {
     let SavedEvidence {
         worlds,
@@ -246,9 +241,11 @@ fn add_saved(
         .map(|world| setup.judge_as(governed, world, several))
         .collect();
     run.seen.extend(setup.seen(&worlds));
-    assured.extend(setup.assure(&worlds));
     run.fitness.extend(setup.fitness(&worlds, &verdicts));
-    labels.extend(worlds.into_iter().map(|world| world.label));
+    labels.extend(worlds.iter().map(|world| world.label.clone()));
+    if setup.governed.at(governed).assures(setup.options) {
+        kept.extend(worlds.into_iter().map(|world| (governed, world)));
+    }
     let mut sources = Arc::unwrap_or_clone(sources);
     let renumber = IdShift::behind(0, run.sources.len());
     renumber.all(&mut sources, &mut Verdict::default());

@@ -10,7 +10,7 @@ use crate::config::Config;
 use crate::files;
 use crate::page::Page;
 use crate::policy::baseline::{self, Document};
-use crate::policy::{self, AppliedPolicy, Context, Policy};
+use crate::policy::{self, AppliedPolicy, Context, Exception, Policy};
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
@@ -44,6 +44,23 @@ struct ConfigPolicy {
     policy: Policy,
     /// Codes of the rules that run.
     asked: BTreeSet<String>,
+}
+
+/// What is changed and accepted in verdicts on copies of a world.
+pub(super) struct PolicyOfCopies<'p> {
+    run: &'p RunPolicy<'p>,
+    governing: &'p ConfigPolicy,
+    exceptions: Vec<Exception>,
+}
+
+impl PolicyOfCopies<'_> {
+    /// Marks a verdict on a copy with these sources.
+    pub(super) fn mark(&self, verdict: &mut Verdict, sources: &[Arc<Source>]) {
+        let marks = (self.governing.policy.weights.as_slice(), self.exceptions.clone());
+        self.run.with(sources, &[], &self.governing.asked, |context| {
+            policy::mark(verdict, marks, context);
+        });
+    }
 }
 
 /// What requirements are checked against besides a verdict.
@@ -142,6 +159,19 @@ impl<'a> RunPolicy<'a> {
             whole.extend(verdict);
         }
         (whole, all)
+    }
+
+    /// What the configuration with this index and the comments in these sources accept, for verdicts on copies of a world.
+    pub(super) fn of_copies(&self, at: usize, sources: &[Arc<Source>]) -> Option<PolicyOfCopies<'_>> {
+        let governing = self.each.get(at)?;
+        let known = |context: &Context| policy::exceptions(&governing.policy, context).0;
+        let exceptions = self.with(sources, &[], &governing.asked, known);
+        let is_any = !exceptions.is_empty() || !governing.policy.weights.is_empty();
+        is_any.then_some(PolicyOfCopies {
+            run: self,
+            governing,
+            exceptions,
+        })
     }
 
     /// Whether anything is required at all.

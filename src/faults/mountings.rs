@@ -11,7 +11,7 @@ use crate::math::relation::Relation;
 use crate::world::bag::TopicEvidence;
 use crate::world::content::ContentEvidence;
 use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
-use crate::world::{FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, World};
 
 use super::{Change, Fault, Subject, SubjectPlace, restate};
 
@@ -73,7 +73,12 @@ impl Mounting {
 impl Change for Mounting {
     fn subjects(&self, world: &World) -> Vec<Subject> {
         let mut subjects = Vec::new();
-        for mounted in mounted(world) {
+        let mounted = match self {
+            Self::Related(_) | Self::HeightLost => mounted(world, with_data(world)),
+            // A calibration file shows sizes without data, too.
+            Self::Turned(..) | Self::Moved(..) => mounted(world, with_data(world).chain(calibrated(world))),
+        };
+        for mounted in mounted {
             let Some(truth) = pose_at(world, &mounted.at) else {
                 continue;
             };
@@ -183,31 +188,53 @@ impl Mounted {
     }
 }
 
-/// The mountings of a platform: of each sensor with data, the rigid transform that is nearest to the base.
-fn mounted(world: &World) -> Vec<Mounted> {
+/// A frame of a sensor, with the recording and the topic of its data, and whether it has directions.
+type SensorFrame = (FrameId, usize, Option<String>, bool);
+
+/// The frames of sensors with data.
+fn with_data(world: &World) -> impl Iterator<Item = SensorFrame> {
+    let bags = world.bags.iter().enumerate();
+    let topics = bags.flat_map(|(bag, evidence)| evidence.topics.values().map(move |topic| (bag, topic)));
+    topics
+        .filter(|(_, topic)| is_of_a_sensor(topic))
+        .flat_map(|(bag, topic)| {
+            let has_axes = topic.content.fixes.is_none();
+            let frames = topic.header_frames.keys().map(FrameId::canonical);
+            frames.map(move |frame| (frame, bag, Some(topic.topic.clone()), has_axes))
+        })
+}
+
+/// The frames that calibration files state a transform of.
+fn calibrated(world: &World) -> impl Iterator<Item = SensorFrame> {
+    let is_of_file = |claim: &&Claim| matches!(claim.kind, ClaimKind::File { .. }) && claim.is_rigid();
+    let claims = world.claims.iter().filter(is_of_file);
+    claims.flat_map(|claim| {
+        let frames = claim.frames.iter().flat_map(|(target, source)| [target, source]);
+        frames.map(|frame| (frame.canonical(), 0, None, claim.has_rotation))
+    })
+}
+
+/// The mountings of these sensors: of each the rigid transform that is nearest to the base.
+fn mounted(world: &World, sensors: impl Iterator<Item = SensorFrame>) -> Vec<Mounted> {
     let graph = world.graph();
     let bodies = bodies(world);
     let mut all: BTreeMap<(FrameId, FrameId), Mounted> = BTreeMap::new();
-    for (bag_number, bag) in world.bags.iter().enumerate() {
-        for topic in bag.topics.values().filter(|topic| is_of_a_sensor(topic)) {
-            for frame in topic.header_frames.keys().map(FrameId::canonical) {
-                let Some((edge, frames)) = mounting(graph, &frame, &bodies, bag_number) else {
-                    continue;
-                };
-                let key = (edge.parent.clone(), edge.child.clone());
-                let mounted = all.entry(key).or_insert_with(|| Mounted {
-                    at: place_of(edge),
-                    parent: edge.parent.clone(),
-                    child: edge.child.clone(),
-                    frames: BTreeSet::new(),
-                    topics: BTreeSet::new(),
-                    has_axes: false,
-                });
-                mounted.frames.extend(frames);
-                mounted.topics.insert(topic.topic.clone());
-                mounted.has_axes |= topic.content.fixes.is_none();
-            }
-        }
+    for (frame, bag, topic, has_axes) in sensors {
+        let Some((edge, frames)) = mounting(graph, &frame, &bodies, bag) else {
+            continue;
+        };
+        let key = (edge.parent.clone(), edge.child.clone());
+        let mounted = all.entry(key).or_insert_with(|| Mounted {
+            at: place_of(edge),
+            parent: edge.parent.clone(),
+            child: edge.child.clone(),
+            frames: BTreeSet::new(),
+            topics: BTreeSet::new(),
+            has_axes: false,
+        });
+        mounted.frames.extend(frames);
+        mounted.topics.extend(topic);
+        mounted.has_axes |= has_axes;
     }
     all.into_values().collect()
 }

@@ -66,16 +66,25 @@ impl SizedFault {
 
 /// The rules that see a tilt.
 const TILTED: Seers = Seers(&[
-    "AXES10", "AXES01", "AXES09", "CROSS05", "CAMERA05", "CROSS01", "CROSS02", "ROT10",
+    "AXES10", "AXES01", "AXES09", "CROSS05", "CAMERA05", "QUAT04", "CROSS01", "CROSS02", "ROT10",
 ]);
 /// The rules that see a yaw.
 const YAWED: Seers = Seers(&[
-    "AXES12", "AXES06", "AXES15", "AXES04", "CROSS05", "CAMERA05", "CROSS01", "CROSS02", "ROT10",
+    "AXES12",
+    "AXES06",
+    "AXES15",
+    "AXES04",
+    "QUAT04",
+    "CROSS05 yaw",
+    "CAMERA05",
+    "CROSS01",
+    "CROSS02",
+    "ROT10",
 ]);
 /// The rules that see where a sensor is.
-const PLACED: Seers = Seers(&["CROSS05", "CROSS01", "CROSS02"]);
+const PLACED: Seers = Seers(&["CROSS05 place", "CROSS01", "CROSS02"]);
 /// The rules that see at which height a sensor is.
-const RAISED: Seers = Seers(&["AXES09", "CROSS05", "CROSS01", "CROSS02"]);
+const RAISED: Seers = Seers(&["AXES09 ground", "CROSS05 place", "CROSS01", "CROSS02"]);
 
 const LEVEL: &str = "flat ground in view of the lidar, or a calibration file that states the transform independently of the robot's description";
 const AHEAD: &str = "30 s of straight driving and turns with this sensor and odometry, or a calibration file that states the transform independently";
@@ -175,7 +184,7 @@ pub static SIZED_FAULTS: &[SizedFault] = &[
         range: [0.1, 400.0],
         is_between_two: false,
         change: |percent| Box::new(ScaleChange { percent }),
-        seen_by: Seers(&["AXES07", "AXES08", "GEO04", "CROSS05"]),
+        seen_by: Seers(&["AXES07 scale", "AXES08", "GEO04", "CROSS05 scale"]),
         record: "a minute of driving with satellite fixes or a second odometry",
     },
     SizedFault {

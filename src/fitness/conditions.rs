@@ -234,7 +234,11 @@ pub(super) fn initial_guess(world: &Estimates, frames: [Option<&FrameId>; 2]) ->
             let is_met = world.graph().chain(a, b, |edge| edge.is_rigid).is_some();
             Condition::judged(name, asks, is_met).because(format!("no rigid transforms connect `{a}` and `{b}`"))
         }
-        _ => Condition::open(name, asks, "a stream names no frame"),
+        _ => Condition::open(
+            name,
+            asks,
+            "one of the two has no `frame_id`, or its poses name no body (`child_frame_id`)",
+        ),
     };
     guess
         .record("measure the mounting roughly, and pass it to the calibration tool or publish it on /tf_static")

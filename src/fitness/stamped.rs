@@ -44,12 +44,21 @@ impl Stamped {
         let whole = bag.topics.get(&poses.topic).filter(|_| edge.is_none()).map(Self::of);
         let start_s = bag.start_ns.unwrap_or_default() as f64 * 1e-9;
         let times = || poses.rows().map(|row| start_s + row.t_s);
+        // Rows may be thinned; stamps are counted before that.
+        let of_edge = edge
+            .and_then(|edge| edge.stamps.median_step_ns)
+            .filter(|step| *step > 0);
+        let of_all = of_edge.map(|step| 1e9 / step as f64).or_else(|| whole.as_ref()?.hz);
         let steps: Vec<f64> = poses
             .stretches
             .iter()
             .flat_map(|rows| rows.iter().zip(rows.iter().skip(1)))
             .map(|(a, b)| b.t_s - a.t_s)
             .collect();
+        let by_rows = || {
+            let step_s = crate::math::stats::median(&steps).filter(|step| *step > 0.0);
+            step_s.map(f64::recip)
+        };
         Self {
             stamps: match edge {
                 Some(edge) => format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
@@ -59,9 +68,7 @@ impl Stamped {
             span_s: whole
                 .and_then(|whole| whole.span_s)
                 .or_else(|| Some([times().reduce(f64::min)?, times().reduce(f64::max)?])),
-            hz: crate::math::stats::median(&steps)
-                .filter(|step| *step > 0.0)
-                .map(f64::recip),
+            hz: of_all.or_else(by_rows),
         }
     }
 

@@ -21,10 +21,14 @@ pub struct PlanarMount {
     pub place: Vector2<f64>,
     /// Metres that the body moves for a metre of the sensor.
     pub scale: f64,
+    /// Standard error of the scale.
+    pub scale_sigma: f64,
     /// Standard errors of yaw, x and y.
     pub sigma: [f64; 3],
     /// Median residual, metres.
     pub residual_m: f64,
+    /// Median distance that the sensor moves in a pair, metres.
+    pub way_m: f64,
     /// Pairs that were used.
     pub pairs: usize,
 }
@@ -46,7 +50,7 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<PlanarMount
     let kept: Vec<_> = pairs.into_iter().filter(|pair| left_m(pair, &first) <= limit).collect();
     let whole = solved(kept.iter().copied())?;
     let (yaw_rad, at) = (yaw(&whole), place(&whole));
-    let mut squares = [0.0; 3];
+    let mut squares = [0.0; 4];
     let size = kept.len().div_ceil(GROUPS);
     for group in 0..GROUPS {
         let rest = kept
@@ -59,19 +63,27 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<PlanarMount
             Rotation2::new(yaw(&part)).rotation_to(&Rotation2::new(yaw_rad)).angle(),
             place(&part).x - at.x,
             place(&part).y - at.y,
+            scale(&part) - scale(&whole),
         ];
         for (sum, off) in squares.iter_mut().zip(off) {
             *sum += off * off;
         }
     }
     let share = (GROUPS - 1) as f64 / GROUPS as f64;
+    let [yaw_sigma, x_sigma, y_sigma, scale_sigma] = squares.map(|sum: f64| (share * sum).sqrt());
     let left: Vec<f64> = kept.iter().map(|pair| left_m(pair, &whole)).collect();
+    let ways: Vec<f64> = kept
+        .iter()
+        .map(|(_, sensor)| sensor.translation.vector.norm())
+        .collect();
     Some(PlanarMount {
         yaw_rad,
         place: at,
         scale: scale(&whole),
-        sigma: squares.map(|sum: f64| (share * sum).sqrt()),
+        scale_sigma,
+        sigma: [yaw_sigma, x_sigma, y_sigma],
         residual_m: median(&left)?,
+        way_m: median(&ways)?,
         pairs: kept.len(),
     })
 }

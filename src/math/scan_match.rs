@@ -3,9 +3,8 @@
 //! Owns the iterative closest point, point to line (Censi 2008), and how sure each of its three numbers is. Metres and radians in the
 //! sensor's axes. The caller decides what the points are, which scans to compare, and what moves by itself.
 
+use kd_tree::KdMap;
 use nalgebra::{Isometry2, Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
 
 use crate::math::stats::median;
 
@@ -13,8 +12,13 @@ use crate::math::stats::median;
 const NEIGHBOURS: [usize; 2] = [3, 10];
 /// More than the least only as far as this, metres: the nearer a wall, the closer its points, and the worse a short line points.
 const REACHES_M: f64 = 0.2;
-/// Neighbours farther away than this share of their range, and 0.1 m, belong to something else.
+/// Neighbours farther away than this share of their range, and 0.1 m, belong to something else; and farther than so many steps between
+/// rays, where these are coarse: three neighbours to each side make a line.
 const GAP: f64 = 0.06;
+const GAP_STEPS: f64 = 3.3;
+const MOST_GAP: f64 = 0.2;
+/// Rays closer than this have one direction: points above and below it, radians.
+const SAME_RAD: f64 = 1e-3;
 /// How far from its line a point may be, metres, in the first round and from the last narrowing on.
 const REACH_M: [f64; 2] = [1.0, 0.2];
 /// Rounds in which the reach narrows.
@@ -36,7 +40,9 @@ const OVERLAP: f64 = 0.4;
 #[derive(Clone, Debug)]
 pub struct Scan {
     points: Vec<Vector2<f64>>,
-    lines: RTree<GeomWithData<[f64; 2], Line>>,
+    lines: KdMap<[f64; 2], Line>,
+    /// The distance of neighbours that belong together, as a share of their range.
+    gap: f64,
 }
 
 /// The line through a point of a scan.
@@ -70,13 +76,15 @@ impl Scan {
             .into_iter()
             .filter(|point| point.iter().all(|value| value.is_finite()))
             .collect();
+        let gap = (GAP_STEPS * step_rad(&points)).clamp(GAP, MOST_GAP);
         let lines = (0..points.len()).filter_map(|index| {
             let point = points.get(index)?;
-            Some(GeomWithData::new([point.x, point.y], line(&points, index)?))
+            Some(([point.x, point.y], line(&points, index, gap)?))
         });
         Self {
-            lines: RTree::bulk_load(lines.collect()),
+            lines: KdMap::build_by_ordered_float(lines.collect()),
             points,
+            gap,
         }
     }
 
@@ -96,11 +104,18 @@ impl Scan {
     }
 }
 
+/// The angle between neighbouring rays, radians: the median of those between points.
+fn step_rad(points: &[Vector2<f64>]) -> f64 {
+    let neighbours = points.iter().zip(points.iter().skip(1));
+    let steps = neighbours.map(|(from, to)| from.perp(to).atan2(from.dot(to)).abs());
+    median(&steps.filter(|step| *step > SAME_RAD).collect::<Vec<_>>()).unwrap_or_default()
+}
+
 /// The line through a point and its neighbours; `None` where they make none.
-fn line(points: &[Vector2<f64>], index: usize) -> Option<Line> {
+fn line(points: &[Vector2<f64>], index: usize, gap: f64) -> Option<Line> {
     let [least, most] = NEIGHBOURS;
     let point = points.get(index)?;
-    let gap_m = 0.1 + GAP * point.norm();
+    let gap_m = 0.1 + gap * point.norm();
     let is_near = |(place, other): &(usize, &Vector2<f64>)| {
         let apart_m = (*other - point).norm();
         apart_m <= gap_m && (*place < least || apart_m <= REACHES_M)
@@ -182,11 +197,11 @@ fn pairs(target: &Scan, source: &Scan, motion: &Isometry2<f64>, reach_m: f64) ->
     let pair = |point: &Vector2<f64>| {
         let place = motion * nalgebra::Point2::from(*point);
         let place = place.coords;
-        let nearest = target.lines.nearest_neighbor([place.x, place.y])?;
-        let Line { normal, turns } = nearest.data;
-        let off_m = normal.dot(&(place - Vector2::from(*nearest.geom())));
-        let apart = (place - Vector2::from(*nearest.geom())).norm();
-        (apart <= reach_m.max(GAP * place.norm()) && off_m.abs() <= reach_m).then_some(Pair {
+        let (nearest, Line { normal, turns }) = *target.lines.nearest(&[place.x, place.y])?.item;
+        let from_nearest = place - Vector2::from(nearest);
+        let off_m = normal.dot(&from_nearest);
+        let apart = from_nearest.norm();
+        (apart <= reach_m.max(target.gap * place.norm()) && off_m.abs() <= reach_m).then_some(Pair {
             place,
             normal,
             turns,

@@ -3,8 +3,8 @@
 //! Needs no match of scans: where one scan shows a few things only, many pairs of scans together still have one best yaw. Metres and
 //! radians in the plane of the ground. Which scans, and how the platform moved, is the caller's.
 
+use kd_tree::KdTree;
 use nalgebra::{Isometry2, Point2, Translation2, UnitComplex, Vector2};
-use rstar::RTree;
 
 use crate::math::circular::{circular_mean, difference};
 
@@ -91,16 +91,15 @@ fn nearest(yaw_rad: f64) -> u32 {
 
 /// Mean square of the remaining distances between the points of two scans, for each yaw.
 fn costs(pair: &Pair, place: Vector2<f64>) -> Vec<f64> {
-    let tree = RTree::bulk_load(pair.from.iter().map(|point| [point.x, point.y]).collect());
+    let tree = KdTree::build_by_ordered_float(pair.from.iter().map(|point| [point.x, point.y]).collect());
     let asked: Vec<_> = pair.to.iter().step_by(pair.to.len().div_ceil(ASKED).max(1)).collect();
     let cost = |tried: u32| {
         let mounting = Isometry2::from_parts(Translation2::from(place), UnitComplex::new(yaw(tried)));
         let motion = mounting.inv_mul(&(pair.body * mounting));
         let squares = asked.iter().map(|point| {
             let moved = motion * Point2::from(**point);
-            let nearest = tree.nearest_neighbor([moved.x, moved.y]);
-            let square = nearest.map(|nearest| (Vector2::from(*nearest) - moved.coords).norm_squared());
-            square.map_or(FAR_M * FAR_M, |square| square.min(FAR_M * FAR_M))
+            let nearest = tree.nearest(&[moved.x, moved.y]);
+            nearest.map_or(FAR_M * FAR_M, |nearest| nearest.squared_distance.min(FAR_M * FAR_M))
         });
         squares.sum::<f64>() / asked.len() as f64
     };

@@ -171,19 +171,33 @@ pub struct PolicyResults {
 
 /// Applies a policy, and the comments in the sources, to a verdict: everything but requirements.
 pub fn apply(verdict: &mut Verdict, policy: &Policy, context: &Context) -> AppliedPolicy {
-    verdict.recall();
-    weigh(verdict, policy, context);
-    let (comments, misspelt) = comments::all(context);
-    let mut known = comments;
-    known.extend(policy.exceptions.iter().cloned());
-    let applied = accept(verdict, known, context);
-    deference::settle(verdict);
-    settle_rows(verdict);
+    let (exceptions, misspelt) = exceptions(policy, context);
     AppliedPolicy {
-        applied,
+        applied: mark(verdict, (&policy.weights, exceptions), context),
         misspelt,
         unmet: Vec::new(),
     }
+}
+
+/// Everything that is accepted, in comments of the sources and in a policy; and what is wrong with the comments.
+pub fn exceptions(policy: &Policy, context: &Context) -> (Vec<Exception>, Vec<CommentFault>) {
+    let (mut known, misspelt) = comments::all(context);
+    known.extend(policy.exceptions.iter().cloned());
+    (known, misspelt)
+}
+
+/// Marks in a verdict what is changed and accepted.
+pub fn mark(
+    verdict: &mut Verdict,
+    (weights, exceptions): (&[Weight], Vec<Exception>),
+    context: &Context,
+) -> Vec<(WaiverEffect, Scope)> {
+    verdict.recall();
+    weigh(verdict, weights, context);
+    let applied = accept(verdict, exceptions, context);
+    deference::settle(verdict);
+    settle_rows(verdict);
+    applied
 }
 
 impl AppliedPolicy {
@@ -284,10 +298,10 @@ impl Context<'_> {
 }
 
 /// Severities, and rules that are off in some files.
-fn weigh(verdict: &mut Verdict, policy: &Policy, context: &Context) {
+fn weigh(verdict: &mut Verdict, weights: &[Weight], context: &Context) {
     let mut off: BTreeMap<(String, String), String> = BTreeMap::new();
     verdict.findings.retain_mut(|finding| {
-        let weight = policy.weights.iter().rev().find(|weight| {
+        let weight = weights.iter().rev().find(|weight| {
             names_rule(&weight.rule, &finding.rule, &finding.name)
                 && weight
                     .file

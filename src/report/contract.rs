@@ -108,8 +108,16 @@ fn scalar(text: &str) -> String {
 
 /// Entries of `require`: the known mistakes that the recording shows in everything that can have them, a line for each family, then those
 /// that it shows in some subjects only. A whole family has one word.
-pub(super) fn detections(assurance: &Assurance, run: &Run, out: &mut String) {
-    let is_counted = |trial: &&Trial| !assurance.omitted.contains_key(trial.fault.name) && !is_in_contract(trial);
+pub(super) fn detections(assurance: &Assurance, contract: Option<&Contract>, run: &Run, out: &mut String) {
+    // The next recording need not have what is optional.
+    let is_optional = |trial: &Trial| {
+        let topics = contract.iter().flat_map(|contract| &contract.topics);
+        let mut optional = topics.filter(|(_, terms)| terms.is_optional);
+        optional.any(|(name, _)| trial.subject.contains(&format!("`{name}`")))
+    };
+    let is_counted = |trial: &&Trial| {
+        !assurance.omitted.contains_key(trial.fault.name) && !is_in_contract(trial) && !is_optional(trial)
+    };
     let tried: Vec<&Trial> = assurance.trials.iter().filter(is_counted).collect();
     let everywhere = shown(&tried);
     for words in families(&everywhere) {

@@ -34,7 +34,7 @@ pub fn configuration(run: &Run, contract: Option<&Contract>) -> String {
     if let Some(contract) = contract {
         contract::terms(contract, run, &mut out);
     }
-    required(run, &mut out);
+    required(run, contract, &mut out);
     today(run, &mut out);
     out
 }
@@ -131,7 +131,7 @@ fn conventions(run: &Run, out: &mut String) {
 }
 
 /// Rules that were evaluated on recordings or several files.
-fn required(run: &Run, out: &mut String) {
+fn required(run: &Run, contract: Option<&Contract>, out: &mut String) {
     let judged = |code: &str| {
         run.verdict
             .rows
@@ -139,14 +139,19 @@ fn required(run: &Run, out: &mut String) {
             .any(|row| row.rule == code && row.outcome.is_judged())
     };
     let asks_for_more = |page: &Page| page.evidence.iter().any(|kind| *kind != "urdf" && *kind != "names");
+    // What is judged here by a hair may not be on the next drive.
+    let is_steady = |page: &Page| {
+        let assurance = run.assurance.as_ref();
+        assurance.is_none_or(|assurance| !assurance.unsteady.contains(page.code))
+    };
     let rules: Vec<_> = run
         .rules
         .iter()
-        .filter(|rule| rule.family() != FAMILY && judged(rule.code) && asks_for_more(rule))
+        .filter(|rule| rule.family() != FAMILY && judged(rule.code) && asks_for_more(rule) && is_steady(rule))
         .collect();
     let mut shown = String::new();
     if let Some(assurance) = &run.assurance {
-        contract::detections(assurance, run, &mut shown);
+        contract::detections(assurance, contract, run, &mut shown);
     }
     if rules.is_empty() && shown.is_empty() {
         return;

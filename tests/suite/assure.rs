@@ -247,6 +247,77 @@ fn the_document_is_valid_and_nothing_altered_leaks() {
     );
 }
 
+/// A mistake whose finding the user accepts, or turns off, would not be found.
+#[test]
+fn what_is_accepted_is_not_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let angles = to_rpy(&truth().rotation).into();
+    for (name, text) in [Form::Joint, Form::Quaternion].map(|form| file(form, &truth(), angles)) {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let why = || {
+        let report = run(folder.path(), ["check", ".", "--format", "json"]).report();
+        let unmet = report["required"].as_array().unwrap().first();
+        unmet.map(|one| one["why"].to_string())
+    };
+    let require = "require: [{detects: stated-inverse, subject: '*lidar.yaml*'}]\n";
+    let configure = |more: &str| fs::write(folder.path().join("frames-lint.yaml"), format!("{require}{more}")).unwrap();
+    configure("");
+    assert_eq!(why(), None);
+    configure("waivers: [{rule: CROSS02, reason: two versions}]\n");
+    let accepted = why().unwrap();
+    assert!(accepted.contains("which is accepted: two versions"), "{accepted}");
+    configure("waivers: [{rule: CROSS02, subject: '*camera*', reason: another}]\n");
+    assert_eq!(why(), None);
+    configure("paths: [{file: '*.urdf', ignore: cross}, {file: '*.yaml', ignore: cross}]\n");
+    let off = why().unwrap();
+    assert!(off.contains("off for this file"), "{off}");
+    configure("");
+    let stated = file(Form::Quaternion, &truth(), angles).1;
+    let commented = format!("# frames-lint: allow-file CROSS02 two versions\n{stated}");
+    fs::write(folder.path().join("lidar.yaml"), commented).unwrap();
+    let accepted = why().unwrap();
+    assert!(accepted.contains("which is accepted: two versions"), "{accepted}");
+}
+
+/// A mistake that is there and accepted is not found.
+#[test]
+fn what_is_there_and_accepted_is_not_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let inverse = truth().inverse();
+    let angles = |pose: &Isometry3<f64>| to_rpy(&pose.rotation).into();
+    for (form, pose) in [(Form::Joint, truth()), (Form::Quaternion, inverse)] {
+        let (name, text) = file(form, &pose, angles(&pose));
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let tried = |config: &str| {
+        fs::write(folder.path().join("frames-lint.yaml"), config).unwrap();
+        let ran = run(
+            folder.path(),
+            ["assure", ".", "--select", "stated-inverse", "--format", "json"],
+        );
+        let document: Value = serde_json::from_slice(&ran.out).unwrap();
+        let trials = document["faults"].as_array().unwrap().iter();
+        let mut outcomes: Vec<(String, String)> = trials
+            .map(|trial| {
+                (
+                    trial["outcome"].as_str().unwrap().to_owned(),
+                    trial["reason"].to_string(),
+                )
+            })
+            .collect();
+        outcomes.sort();
+        outcomes
+    };
+    let there = tried("waivers: []\n");
+    assert!(there.iter().any(|(outcome, _)| outcome == "present"), "{there:?}");
+    let accepted = tried("waivers: [{rule: CROSS02, reason: known}]\n");
+    for (outcome, reason) in accepted {
+        assert_eq!(outcome, "missed");
+        assert!(reason.contains("which is accepted: known"), "{reason}");
+    }
+}
+
 /// A gate: a mistake that would have been missed leaves the run incomplete, with the place, the reason and what to record.
 #[test]
 fn what_must_be_found_is_a_requirement() {

@@ -201,6 +201,27 @@ fn a_configuration_that_governs_no_platform_says_what_has_no_effect() {
     );
 }
 
+#[test]
+fn a_configuration_above_those_of_all_platforms_says_what_has_no_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    fs::create_dir(root.join("drive")).unwrap();
+    fs::write(root.join("frames-lint.yaml"), "require: [ROT01]\n").unwrap();
+    fs::write(
+        root.join("drive/robot.urdf"),
+        "<robot name=\"r\"><link name=\"base_link\"/></robot>",
+    )
+    .unwrap();
+    assert_eq!(run(root, ["check", "."]).code, 3);
+    let waiver = "waivers: [{rule: NAME01, reason: old names}]\n";
+    fs::write(root.join("drive/frames-lint.yaml"), waiver).unwrap();
+    let said = run(root, ["check", "."]).text();
+    assert!(
+        said.contains("frames-lint.yaml: no effect of `require`: configurations in deeper"),
+        "{said}"
+    );
+}
+
 /// What one folder's configuration calls its frames, and declares of its files, is not another's.
 #[test]
 fn aliases_and_declarations_of_a_folder_stay_there() {

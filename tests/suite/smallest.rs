@@ -145,6 +145,12 @@ fn half_of_a_stated_size_is_seldom_found_and_twice_of_it_nearly_always() {
             (*half, *twice, *all) = (*half + of_half, *twice + of_twice, *all + 1);
         }
         before = (seed <= seeds).then(|| stated(&world, &rules));
+        if seed % 20 == 0 {
+            eprintln!(
+                "seed {seed}: half found, twice found, all: {counts:?}; not found: {}",
+                unfound.len()
+            );
+        }
     }
     eprintln!(
         "of each: half found, twice found, all: {counts:?}; not found: {}",

@@ -10,6 +10,7 @@ use frames_lint::engine::{self, Options, Retention, VerdictScope};
 use frames_lint::page::Page;
 use frames_lint::run::Run;
 use frames_lint::tables::views;
+use frames_lint::verdict::Finding;
 use frames_lint::view::scene as scene_of;
 use frames_lint::view::scene::{self, Body, Content, Item, Scene};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -91,7 +92,10 @@ pub(crate) fn unseen(page: &Page, title: &str, run: &Run) -> Option<String> {
             row.named
         )
     };
-    (!is_there || !told).then(missing)
+    // No transform makes a scale right.
+    let is_scale = |finding: &Finding| finding.rule == code && finding.relation.as_deref() == Some("scale");
+    let has_no_entity = page.view == "preferred" && run.verdict.findings.iter().any(is_scale);
+    (!is_there && !has_no_entity || !told).then(missing)
 }
 
 const CAR: &str = r#"<robot name="car">

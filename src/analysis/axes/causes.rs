@@ -389,7 +389,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "left-handed-accelerometer",
         text: "the axes of the accelerometer are left-handed: x or y has the opposite sign, or the two are swapped",
-        help: "compare the accelerometer's axes with its data sheet; at a start x must be positive, and in a curve to the left y",
+        help: "compare the accelerometer's axes with its data sheet: when the platform speeds up, x must be positive; in a curve to the left, y",
         shown_by: Aspect::Hand,
         push: ANY_PUSH,
         hand: &[Hand::Left],

@@ -94,7 +94,7 @@ impl Diagnosis {
             [] => String::new(),
             [one] => format!("Cause that fits all measurements: {one}."),
             several => format!(
-                "Causes that fit all measurements, which these data cannot distinguish: {}.",
+                "Causes that fit all measurements; others are ruled out, and these cannot be told apart by the data: {}.",
                 numbered(several)
             ),
         }
@@ -114,11 +114,14 @@ impl Diagnosis {
         let help = match helps.as_slice() {
             [] => return None,
             [one] => (*one).to_owned(),
-            several => format!("depending on the cause: {}", numbered(several)),
+            several => format!(
+                "find the cause in the driver's settings and the data sheet, then: {}",
+                numbered(several)
+            ),
         };
         Some(match &self.driver {
             Some(driver) if self.causes.iter().any(|cause| cause.is_of_driver) => format!(
-                "{help}. {} measures in {}: {}",
+                "{help}. The driver seems to be that of {}, which measures in {}: {}",
                 driver.name, driver.native, driver.setting
             ),
             _ => help,

@@ -118,11 +118,16 @@ fn sensors(
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
-        // Where the course turns unlike the gyro, the platform does not move where it faces.
+        // Poses of a simulator may be left-handed; and where the course turns unlike the gyro, the platform does not move where it faces.
+        let is_doubtful = sensor.push.as_ref().is_ok_and(|seen| {
+            let mut own = tracks.asked.iter().filter(|track| track.subject == seen.track);
+            seen.hand.is_some_and(|hand| {
+                hand == causes::Hand::Left && sensor.may_doubt(seen.is_geodetic)
+                    || own.any(|track| gyro_vs_track::is_uncoupled(&integrals, track, &sense))
+            })
+        });
         if let Ok(seen) = &mut sensor.push
-            && seen.hand.is_some()
-            && let Some(track) = tracks.asked.iter().find(|track| track.subject == seen.track)
-            && gyro_vs_track::is_uncoupled(&integrals, track, &sense)
+            && is_doubtful
         {
             seen.hand = None;
         }
@@ -195,12 +200,6 @@ impl Sensor {
             .and_then(HeadingFit::offset_rad)
     }
 
-    /// Whether the acceleration in curves contradicts poses of a simulator, which may be left-handed.
-    pub(crate) fn push_is_against_a_simulator(&self) -> bool {
-        let push = self.push.as_ref();
-        push.is_ok_and(|seen| seen.hand == Some(causes::Hand::Left) && self.may_doubt(seen.is_geodetic))
-    }
-
     fn symptoms(&self) -> Symptoms {
         fn class<T, C>(look: &Estimate<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
@@ -220,8 +219,8 @@ impl Sensor {
         }
         // The curves of one track say nothing of the turns of another.
         let hand = self.push.as_ref().ok().filter(|by_push| {
-            let is_other = self.sense.as_ref().is_ok_and(|by_gyro| by_gyro.track != by_push.track);
-            !is_other && !self.push_is_against_a_simulator()
+            let by_gyro = self.sense.as_ref();
+            by_gyro.is_ok_and(|by_gyro| by_gyro.track == by_push.track) || by_gyro.is_err()
         });
         Symptoms {
             base: class(&self.base, |seen| seen.class),

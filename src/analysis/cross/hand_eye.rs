@@ -5,7 +5,6 @@ use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, Pair, in_plane};
 use crate::math::planar_hand_eye::{PlanarMount, mounted};
-use crate::math::stats::median;
 use crate::verdict::NotEvaluated;
 
 #[derive(Debug, Deserialize)]
@@ -22,6 +21,7 @@ pub(crate) struct Limits {
     pub(crate) sure_yaw_deg: f64,
     pub(crate) sure_place_m: f64,
     pub(crate) max_scale: f64,
+    pub(crate) max_residual: f64,
     pub(crate) forward_deg: f64,
 }
 
@@ -31,13 +31,13 @@ pub(crate) fn sure<'k>(known: &'k HandEye, limits: &Limits) -> impl Iterator<Ite
     known.pairs.iter().filter(move |pair| pair.sigma_m <= max_sigma_m)
 }
 
-/// The same as [`estimated`], where the lidar turned enough.
+/// The same as [`estimated`] with any scale, where the lidar turned enough.
 pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
     let turns = sure(known, limits).map(|pair| pair.lidar.rotation.angle().to_degrees());
     // The sum of no numbers is -0.
     let turned_deg = turns.fold(0.0, |sum, turn| sum + turn);
     if turned_deg >= limits.min_turned_deg {
-        return estimated(known, limits);
+        return fitted(known, limits);
     }
     let why = format!(
         "it turned by {turned_deg:.0} deg in {} pairs of scans; {} are needed: only turns determine the position on the body",
@@ -47,30 +47,42 @@ pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (N
     Err((NotEvaluated::TooLittleEvidence, why))
 }
 
-/// The correction of a stated mounting, in the plane of the body: its yaw and its place.
+/// The correction of a stated mounting, in the plane of the body: its yaw and its place. Poses and scans have one scale.
 pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
-    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
+    let found = fitted(known, limits)?;
+    let why = other_scale(known, &found, limits).map(|why| (NotEvaluated::TooLittleEvidence, why));
+    why.map_or(Ok(found), Err)
+}
+
+/// Why a mounting cannot be judged: the scales of poses and scans differ.
+pub(crate) fn other_scale(known: &HandEye, found: &PlanarMount, limits: &Limits) -> Option<String> {
+    ((found.scale - 1.0).abs() > limits.max_scale).then(|| {
+        format!(
+            "{} moves {:.2} m for each metre of the scans: their scales differ",
+            known.poses.0, found.scale
+        )
+    })
+}
+
+/// The same with any scale.
+fn fitted(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated, String)> {
     let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.stated.rotation);
     let flat: Vec<_> = sure(known, limits)
         .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
         .collect();
     let mut found = mounted(&flat).ok_or_else(|| {
-        little(format!(
+        let why = format!(
             "{} pairs of scans do not determine the mounting: record more turns",
             flat.len()
-        ))
+        );
+        (NotEvaluated::TooLittleEvidence, why)
     })?;
-    if (found.scale - 1.0).abs() > limits.max_scale {
-        return Err(little(format!(
-            "{} moves {:.2} m for each metre of the scans: their scales differ",
-            known.poses.0, found.scale
-        )));
-    }
     // The spread of the groups does not show an error that all matches share.
-    let ways: Vec<f64> = flat.iter().map(|(_, lidar)| lidar.translation.vector.norm()).collect();
-    let way_m = median(&ways).unwrap_or_default();
     let [yaw, ..] = &mut found.sigma;
-    *yaw = yaw.hypot(limits.systematic_m.atan2(way_m));
+    *yaw = yaw.hypot(limits.systematic_m.atan2(found.way_m));
+    found.scale_sigma = found
+        .scale_sigma
+        .hypot(limits.systematic_m / found.way_m.max(limits.systematic_m));
     Ok(found)
 }
 

@@ -22,6 +22,16 @@ impl Orientations {
         Self { runs: runs.collect() }
     }
 
+    /// All times and quaternions, run by run, for [`crate::analysis::Estimates::shared`].
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.runs.iter().flat_map(|run| {
+            let rows = run
+                .iter()
+                .flat_map(|(t_s, turned)| [*t_s].into_iter().chain(turned.coords.iter().copied()));
+            [run.len() as f64].into_iter().chain(rows)
+        })
+    }
+
     /// The orientation at a time, between two that are known and not farther apart than this.
     pub(crate) fn at(&self, t_s: f64, max_step_s: f64) -> Option<UnitQuaternion<f64>> {
         let ([from, to], share) = near(&self.runs, t_s, max_step_s)?;

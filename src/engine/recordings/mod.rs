@@ -235,7 +235,8 @@ impl JudgeContext<'_> {
             .first()
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
-        let assured = self.setup.assure(&worlds);
+        let judged = verdicts.iter().map(|(governed, _)| *governed).zip(&worlds);
+        let assured = self.setup.assure(judged, self.policy);
         let mut fitness = self.setup.fitness_of_all(self.setup.fitness(&worlds, &verdicts));
         for one in &mut fitness {
             one.platform.clone_from(&label);
@@ -336,7 +337,8 @@ impl JudgeContext<'_> {
         self.furnish(&mut worlds, &sources);
         let verdicts = self.setup.judge(&mut worlds, true);
         whole.run.seen.extend(self.setup.seen(&worlds));
-        let assured = self.setup.assure(&worlds).into_iter();
+        let judged = verdicts.iter().map(|(governed, _)| *governed).zip(&worlds);
+        let assured = self.setup.assure(judged, self.policy).into_iter();
         whole.run.assure(assured.map(|(_, assurance)| assurance));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         whole.apply_policy(verdicts, &labels, self.policy);

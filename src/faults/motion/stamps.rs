@@ -72,7 +72,12 @@ impl StampChange {
             Self::Offset(_) => topic.content.clouds.is_none(),
             Self::GpsTime | Self::Tai | Self::GpsEpoch | Self::Zero => false,
         };
-        let has_stamps = topic.stamps.count > topic.stamps.zero;
+        // A clock that counts from a start has no epoch and no time scale.
+        let needs_calendar = matches!(self, Self::GpsTime | Self::Tai | Self::GpsEpoch);
+        let is_calendar = |stamp_ns: i64| stamp_ns as f64 >= GPS_EPOCH_S * NS_PER_S;
+        let first = topic.stamps.samples.first();
+        let has_clock = !needs_calendar || first.is_some_and(|(stamp_ns, _)| is_calendar(*stamp_ns));
+        let has_stamps = topic.stamps.count > topic.stamps.zero && has_clock;
         has_stamps && (has_motion(topic) || !is_small && is_of_a_sensor(topic))
     }
 }

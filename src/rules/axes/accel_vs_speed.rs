@@ -20,7 +20,7 @@ impl Rule for AccelVsSpeed {
 }
 
 fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelFit, limits: &Limits, out: &mut Judge) {
-    let is_left = pushed.hand == Some(Hand::Left) && !sensor.push_is_against_a_simulator();
+    let is_left = pushed.hand == Some(Hand::Left);
     // Left-handed axes are no yaw.
     let yaw = (!is_left).then(|| {
         Measured::new("yaw that the mounting lacks", pushed.yaw_deg, "deg")
@@ -58,12 +58,12 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
     let curves = match pushed.curving {
         Some(curving) if is_left && pushed.class != Push::Forward => {
             let [along_x, along_y] = curving.gain.into();
-            format!(" In curves to the left its gain is {along_x:+.2} along x and {along_y:+.2} along y.")
+            format!(" In curves to the left the gain is {along_x:+.2} along x and {along_y:+.2} along y.")
         }
         _ => String::new(),
     };
     let detail = format!(
-        "Compared with the motion of {}.{curves}{yaw} Mounting: {}.",
+        "Compared with the motion of {}. Expected gains: +1 along x when speeding up, +1 along y in curves to the left.{curves}{yaw} Mounting: {}.",
         pushed.track,
         imu.mounting()
     );

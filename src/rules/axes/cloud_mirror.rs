@@ -173,7 +173,7 @@ fn judge_clouds(
     };
     let measured = [
         Measured::new("rotation of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
-        Measured::new("t", turned.t, "1").at_least(limits.min_t),
+        Measured::new("t statistic of that factor", turned.t, "1").at_least(limits.min_t),
         Measured::new("rotation of a pair (rms)", turned.turn_deg, "deg").at_least(limits.min_turn_deg),
     ];
     let Some(is_up) = steps.is_up else {
@@ -217,11 +217,11 @@ fn judge_clouds(
         "the cloud is mirrored"
     };
     let message = format!(
-        "`{}`: {fault} ({:+.2} times the rotation of {})",
+        "`{}`: {fault}: it turns {:+.2} times as far as {}",
         clouds.topic.topic, turned.gain, beside.name
     );
     let detail = format!(
-        "{} z points {}, so the expected factor is {}. Probable cause: {what}.",
+        "{} z points {}, so {} times is expected. Probable cause: {what}.",
         if clouds.laser.is_some() {
             "By its transform,"
         } else {

@@ -119,8 +119,8 @@ fn judge_votes(
     };
     let [rms_turned, rms_mirrored] = votes.rms_m;
     let measured = [
-        Measured::new("residual, rotated", rms_turned, "m").samples(all as u64),
-        Measured::new("residual, mirrored", rms_mirrored, "m").samples(all as u64),
+        Measured::new("residual if the track is only rotated", rms_turned, "m").samples(all as u64),
+        Measured::new("residual if it is also mirrored", rms_mirrored, "m").samples(all as u64),
         Measured::new("agreement of windows", agreement, "1").at_least(limits.min_agreement),
     ];
     if !is_mirrored {
@@ -142,8 +142,8 @@ fn judge_votes(
         .detail(format!("Compared from {from:.0} to {to:.0} s."))
         .related(fixes.place(), "GNSS track")
         .help(
-            "swap x and y, or negate one of them, in the wrong one of the two tracks: NED positions become ENU as (y, x, -z), and \
-             latitude comes before longitude",
+            "find out which of the two tracks is wrong: odometry in NED becomes ENU as (y, x, -z); a mirrored odometry needs y negated; \
+             fixes may have latitude and longitude swapped",
         );
     out.fail(better(poses.expressed_in.annotate(finding).measured(measured)));
 }

@@ -392,16 +392,18 @@ fn judge_tilt(
     // The rotation from the normal back to z, to first order: with r more roll than in TF, the normal is Rx(-r) z.
     let (roll_deg, pitch_deg) = (y.asin().to_degrees(), (-x).asin().to_degrees());
     let message = format!(
-        "`{}`: ground is tilted by {tilt_deg:.1} deg in `{}` (roll {roll_deg:.1}, pitch {pitch_deg:.1})",
+        "`{}`: ground is tilted by {tilt_deg:.1} deg in `{}`",
         clouds.topic.topic, over.base
     );
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("tilted")
-        .detail("The tilt stays throughout the recording: the mounting is tilted differently than its transform states.")
+        .detail(format!(
+            "The tilt stays throughout the recording: the mounting lacks a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg."
+        ))
         .measured(measured)
         .help(format!(
-            "calibrate on level ground, then rotate the mounting by roll {roll_deg:.1} and pitch {pitch_deg:.1} deg about the axes of `{}`",
+            "on level ground, turn the mounting by roll {roll_deg:+.1} deg and pitch {pitch_deg:+.1} deg about the axes of `{}`; otherwise calibrate it",
             over.base
         ));
     out.fail(finding);

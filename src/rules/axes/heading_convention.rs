@@ -127,7 +127,7 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limit
     let (what, help) = if near(90.0) {
         (
             "the sensor is rotated to the left, which TF does not state",
-            "state the sensor's yaw (about 90 deg) in its mounting in TF, or publish one",
+            "publish the transform from the base to the sensor with a yaw of about 90 deg",
         )
     } else if near(-90.0) {
         (
@@ -137,7 +137,7 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limit
     } else if near(180.0) {
         (
             "the sensor is mounted backwards, which TF does not state, or the platform drove in reverse",
-            "state the sensor's yaw (about 180 deg) in its mounting in TF, or publish one; nothing is wrong if this was a drive in reverse",
+            "publish the transform from the base to the sensor with a yaw of about 180 deg; nothing is wrong if this was a drive in reverse",
         )
     } else {
         (

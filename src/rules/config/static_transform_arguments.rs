@@ -53,7 +53,7 @@ impl Rule for StaticTransformArguments {
 /// Why the program exits, or misreads its arguments: headline, detail and help.
 fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)> {
     const ADD: &str = "add the period in milliseconds (100), or use the package tf2_ros";
-    const REMOVE: &str = "remove the last number: a latched transform has no period";
+    const REMOVE: &str = "remove the last number: a static transform has no period";
     let name = &publisher.label;
     if let Some(ReadObstacle::Misread(why)) = &publisher.unread {
         let message = format!("static_transform_publisher cannot read the arguments of `{name}`");

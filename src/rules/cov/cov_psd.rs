@@ -118,12 +118,30 @@ fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
         .filter(|(value, _)| *value > limits.asymmetry)?;
     Some(Fault {
         severity: graded(*asymmetry, limits),
-        words: format!("not symmetric, by {asymmetry:.3e} of the largest element"),
+        words: format!("not symmetric, by {} of the largest element", share(*asymmetry)),
         detail: most_different(&at.values),
         help: "write C[i][j] = C[j][i]: fill both halves, and check order and size of the matrix if the difference is large",
         measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
         at,
     })
+}
+
+/// A share of the largest element, in words.
+fn share(of_largest: f64) -> String {
+    if of_largest.abs() >= 1e-3 {
+        format!("{:.1} %", 100.0 * of_largest)
+    } else {
+        format!("{of_largest:.1e}")
+    }
+}
+
+/// An element, in words.
+fn brief(element: f64) -> String {
+    if element == 0.0 || (1e-3..1e5).contains(&element.abs()) {
+        format!("{element:.4}")
+    } else {
+        format!("{element:.4e}")
+    }
 }
 
 /// The two mirrored entries of a square matrix that differ most, in words.
@@ -135,9 +153,9 @@ fn most_different(values: &[f64]) -> String {
     let most = pairs.max_by(|a, b| difference(a).total_cmp(&difference(b)));
     most.map_or_else(String::new, |(row, col)| {
         format!(
-            "The largest difference: C[{col}][{row}] = {:.4e}, C[{row}][{col}] = {:.4e}.",
-            at(col, row),
-            at(row, col)
+            "The largest difference: C[{col}][{row}] = {}, C[{row}][{col}] = {}.",
+            brief(at(col, row)),
+            brief(at(row, col))
         )
     })
 }
@@ -149,7 +167,7 @@ fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
         .filter(|(value, _)| *value < limits.negative)?;
     Some(Fault {
         severity: graded(-least, limits),
-        words: format!("negative eigenvalue, {least:.3e} of the largest element"),
+        words: format!("negative eigenvalue, {} of the largest element", share(*least)),
         detail: String::new(),
         help: "check for covariances larger than their variances allow, variances of zero beside them, or rounding",
         measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").at_least(limits.negative),

@@ -93,7 +93,7 @@ fn judge_angles(
             .likely()
             .relation("degrees")
             .detail(format!(
-                "Read as rad^2, the standard deviation is {:.0} deg, more than an unknown angle can have (104 deg); read as deg^2, it is {:.1} deg.",
+                "Read as rad^2, the standard deviation is {:.0} deg, more than half a turn; read as deg^2, it is {:.1} deg.",
                 middle.sqrt().to_degrees(),
                 middle.sqrt()
             ))

@@ -1,6 +1,7 @@
 //! CROSS05: a mounting transform compared with the one that the motions of lidar and body determine.
 
-use crate::analysis::cross::hand_eye::{Limits, corrected, solved};
+use crate::advice::scale::wrong_scale;
+use crate::analysis::cross::hand_eye::{Limits, corrected, other_scale, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::PlanarMount;
@@ -9,6 +10,7 @@ use crate::rules::prelude::*;
 pub(crate) struct HandEyeCalibration;
 
 /// What is judged of each lidar.
+const SCALE: &str = "scale of the platform's poses by the scans";
 const YAW: &str = "yaw of the mounting";
 const PLACE: &str = "place of the mounting";
 
@@ -25,15 +27,68 @@ impl Rule for HandEyeCalibration {
                 })
             });
             match known.and_then(|known| Ok((solved(&known, limits)?, known))) {
-                Ok((mounted, known)) => judge_mounted(&clouds, &known, &mounted, limits, out),
+                Ok((mounted, known)) => {
+                    judge_scale(&clouds, &known, &mounted, limits, out);
+                    match other_scale(&known, &mounted, limits) {
+                        None => judge_mounted(&clouds, &known, &mounted, limits, out),
+                        Some(why) => {
+                            for part in [YAW, PLACE] {
+                                out.too_little(clouds.subject(part), why.clone());
+                            }
+                        }
+                    }
+                }
                 Err((reason, why)) => {
-                    for part in [YAW, PLACE] {
+                    for part in [SCALE, YAW, PLACE] {
                         out.not_evaluated(clouds.subject(part), reason, why.clone());
                     }
                 }
             }
         }
     }
+}
+
+/// Judges whether poses and scans move equally far.
+fn judge_scale(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject(SCALE);
+    let (off, error) = ((found.scale - 1.0).abs(), found.scale_sigma);
+    let measured = Measured::new(
+        "metres of the poses for a metre of the scans, minus 1",
+        found.scale - 1.0,
+        "1",
+    )
+    .limit(limits.max_scale)
+    .spread(error)
+    .samples(found.pairs as u64);
+    // A fit whose residuals are as large as the motion shows no scale: noise makes it too small, and tilting is no motion in a plane.
+    if found.residual_m > limits.max_residual * found.way_m {
+        let why = format!(
+            "with any scale the motions of a pair, of {:.2} m, differ by {:.2} m: they are not accurate enough, or not in one plane",
+            found.way_m, found.residual_m
+        );
+        return out.too_little(subject, why);
+    }
+    if off <= limits.max_scale && error <= limits.max_scale {
+        return out.pass(subject, [measured]);
+    }
+    if off <= limits.max_scale.max(limits.sigmas * error) {
+        let why = format!("{:.2} +- {error:.2}: not accurate enough to decide", found.scale);
+        return out.too_little(subject, why);
+    }
+    let scans = format!("the scans on `{}`", clouds.topic.topic);
+    let finding = wrong_scale(
+        (subject, known.poses.1.clone()),
+        (&known.poses.0, &scans),
+        1.0 / found.scale,
+        limits.max_scale,
+    );
+    let finding = finding.related(clouds.place(), "scans");
+    out.fail(
+        finding
+            .measured(measured)
+            .unless_relation(codes::AXES07)
+            .unless(codes::TIME07),
+    );
 }
 
 /// An error of a mounting with its standard error; its limit, and the standard error up to which it is judged.

@@ -56,7 +56,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     };
     let (word, what) = relation(&worst.parent_from_optical, limits);
     let message = format!(
-        "`{frame}` is rotated {deg:.1} deg away from the optical axes of `{}`",
+        "`{frame}` is rotated {deg:.1} deg from optical axes, as seen from `{}`",
         worst.parent
     );
     let finding = if deg <= limits.calibrated_deg {
@@ -67,7 +67,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         Finding::error(subject, message, place).likely()
     };
     let mut finding = finding.measured(measured).detail(what).help(
-        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103); put the attitude of the camera itself into the parent",
+        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103); how the camera itself is mounted belongs to the joint of its body",
     );
     finding.relation = word.map(str::to_owned);
     let edit = worst

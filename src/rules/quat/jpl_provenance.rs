@@ -37,15 +37,15 @@ fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place:
     if is_declared {
         return out.pass(subject, [count(1)]);
     }
-    let message = format!("{what} may be Hamilton or JPL, by the program that writes such files");
+    let message = format!("{what} may be Hamilton or JPL: such files exist with both");
     let finding = Finding::note(subject, message, place.clone())
         .hint()
         .label("Hamilton or JPL")
         .detail(format!(
-            "Here {doubt}. In the other convention the same numbers are the inverse rotation."
+            "Doubt: {doubt}. In the other convention the same numbers are the inverse rotation."
         ))
         .help(format!(
-            "look up which convention the version that wrote the file has, and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
+            "find out which convention the program that wrote this file used, and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
             file.file
         ));
     out.fail(finding.measured(count(2)));

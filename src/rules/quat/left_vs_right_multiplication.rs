@@ -6,7 +6,7 @@ use crate::advice::{diagnosis::rule_of, together::report_once};
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::quat::oriented::{Claim, OrientationStream, oriented};
 use crate::math::constants::AxisTurn;
-use crate::math::sides::{Constant, Sides, sides};
+use crate::math::sides::{Constant, Sides, one_sided, sides};
 use crate::rules::prelude::*;
 
 pub(crate) struct LeftVsRightMultiplication;
@@ -88,9 +88,11 @@ fn judge_pair(
         (found.right, found.left)
     };
     let measured = measured(&found, pairs.len(), limits);
+    // Of a platform that only yaws, the yaw between the two may be that of their worlds.
+    let least = one_sided(&pairs, &found, claim.bodies.is_none())?;
     let is_other = is_constant(&other)
         && claimed.spread_rad >= limits.min_ratio * other.spread_rad
-        && other.mean.angle().to_degrees() >= limits.min_constant_deg;
+        && least.angle().to_degrees() >= limits.min_constant_deg;
     if !is_constant(&claimed) && !is_other {
         return little(format!(
             "they do not differ by a constant rotation: the spread is {:.0} deg on the world's side, {:.0} deg on the body's",
@@ -102,7 +104,7 @@ fn judge_pair(
         out.pass(subject, measured);
         return None;
     }
-    let mut finding = contradiction(a, b, &claim, &other, &subject, limits);
+    let mut finding = contradiction(a, b, &claim, &least, &subject, limits);
     if let Some(aspect) = a.shown_by.or(b.shown_by) {
         finding = finding.unless(rule_of(aspect));
     }
@@ -152,12 +154,12 @@ fn contradiction(
     a: &OrientationStream,
     b: &OrientationStream,
     claim: &Claim,
-    constant: &Constant,
+    constant: &UnitQuaternion<f64>,
     subject: &str,
     limits: &Limits,
 ) -> Finding {
-    let degrees = constant.mean.angle().to_degrees();
-    let axis = constant.mean.axis().map_or_else(String::new, |axis| {
+    let degrees = constant.angle().to_degrees();
+    let axis = constant.axis().map_or_else(String::new, |axis| {
         format!("The axis is ({:+.2}, {:+.2}, {:+.2}). ", axis.x, axis.y, axis.z)
     });
     let name = |frame: &Option<crate::world::FrameId>| frame.as_ref().map_or("?", |frame| frame.as_str()).to_owned();
@@ -173,8 +175,9 @@ fn contradiction(
             format!(
                 "One of the two has other body axes, or its world was changed by multiplying on the wrong side: {tied}. Which of the two is wrong cannot be seen."
             ),
-            "if one of the two is of another body (such as FRD), give it its own `child_frame_id` and a transform; if its poses were moved to \
-             another world, multiply from the left: `new_from_world * world_from_body`",
+            "if a sensor is mounted with that rotation, add it to the sensor's transform; if one of the two is of another body (such as FRD), \
+             give it its own `child_frame_id` and a transform; if its poses were moved to another world, multiply from the left: \
+             `new_from_world * world_from_body`",
         )
     } else {
         (
@@ -197,7 +200,7 @@ fn contradiction(
         .detail(format!("{axis}{why}"))
         .help(help)
         .related(a.place.clone(), a.subject.clone());
-    let near = |turn: &&AxisTurn| constant.mean.angle_to(&turn.quaternion()).to_degrees() <= limits.named_deg;
+    let near = |turn: &&AxisTurn| constant.angle_to(&turn.quaternion()).to_degrees() <= limits.named_deg;
     match AxisTurn::all().iter().find(near) {
         Some(turn) => finding.relation(turn.word()),
         None => finding,

@@ -32,7 +32,7 @@ fn judge_turned(
         Measured::new("residual as published", turned.as_published.residual, "1")
             .limit(turned.limit)
             .samples(windows),
-        Measured::new("residual of the inverse", turned.inverse.residual, "1").samples(windows),
+        Measured::new("residual if the orientation is inverted", turned.inverse.residual, "1").samples(windows),
         Measured::new("residual read as w, x, y, z", turned.reordered.residual, "1").samples(windows),
         Measured::new("rotation", turned.rotation_deg, "deg").at_least(limits.min_rotation_deg),
     ];

@@ -23,7 +23,7 @@ impl Limits {
 
     fn measured(&self, turn_deg: f64) -> [Measured; 3] {
         self.sideways_m(turn_deg)
-            .map(|(range_m, m)| Measured::new(format!("sideways at {range_m} m"), m, "m"))
+            .map(|(range_m, m)| Measured::new(format!("error of a point at {range_m} m"), m, "m"))
     }
 }
 

@@ -145,9 +145,11 @@ fn finding(stream: &Stream<'_>, named: &KnownOffset, (reference, far_s): (&str, 
         .likely()
         .detail(format!("Cause: {}.", named.what))
         .help(format!(
-            "set the driver's time base to UTC; to repair the recording, add {:+.3} s to these stamps",
-            -named.offset_s
+            "set the driver's time base to UTC; to repair the recording, {} {:.3} s {} these stamps",
+            if named.offset_s > 0.0 { "subtract" } else { "add" },
+            named.offset_s.abs(),
+            if named.offset_s > 0.0 { "from" } else { "to" },
         ))
         .measured(measured)
-        .measured(Measured::new("offset of this cause", named.offset_s, "s"))
+        .measured(Measured::new("offset that this cause makes", named.offset_s, "s"))
 }

@@ -39,13 +39,14 @@ impl Rule for LeapTableExpiry {
                 continue;
             }
             let (gps, tai) = (table.gps_minus_utc_s(f64::MAX), table.tai_minus_utc_s(f64::MAX));
-            let message = format!("the recording is {days:.0} days newer than the built-in table of leap seconds");
+            let message =
+                format!("the recording is {days:.0} days newer than the table of leap seconds in frames-lint");
             out.fail(
                 Finding::note(subject, message, Place::whole(bag.source))
                     .detail(format!(
                         "GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since the table's end."
                     ))
-                    .help("install a newer release; until then, an offset from leap seconds may be wrong by one second")
+                    .help("install a newer release of frames-lint; until then, an offset from leap seconds may be wrong by one second. If the recording is not that new, its clock was wrong")
                     .measured(measured),
             );
         }

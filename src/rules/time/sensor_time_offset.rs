@@ -184,8 +184,8 @@ fn late(
     let size_s = offset.in_stamps_s.abs();
     let message = format!("{} is stamped {size_s:.3} s {way} {}", second.subject, words(first));
     let detail = format!(
-        "Compared by the motion that both measured; the offset (+-{:.3} s) is the same in all parts of the recording. Which of the two is off \
-         does not show.",
+        "Compared by the motion that both measured; the offset (+-{:.3} s) is the same in all parts of the recording. The data do not \
+         show which of the two is wrong.",
         limits.sigmas * offset.sigma_s
     );
     let help = format!(

@@ -131,7 +131,7 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
         let mut finding = Finding::error(format!("frame `{child}`"), message, end(second))
             .label("second joint with this child")
             .detail(detail)
-            .help("keep only the joint that mounts the link, or give the other joint a link of its own")
+            .help("delete the joint that does not describe the real mounting, or give it a link of its own")
             .measured(Measured::count("joints with this child", joints.len()).limit(1.0))
             .related(end(first), "first joint with this child");
         for joint in rest {

@@ -1,18 +1,11 @@
 //! The scale between odometry and GNSS: a part of AXES07.
 
+use crate::advice::scale::wrong_scale;
 use crate::analysis::axes::handedness::{Limits, Votes};
 use crate::analysis::motion::Stream;
 use crate::analysis::names;
 use crate::rules::prelude::*;
 use crate::world::motion::{FixRow, PoseRow};
-
-/// Units that positions are published in by mistake, metres.
-const UNITS: [(f64, &str); 4] = [
-    (0.001, "millimetres"),
-    (0.01, "centimetres"),
-    (0.3048, "feet"),
-    (1609.344, "miles"),
-];
 
 /// A scale that was reported, and the subject of the finding.
 pub(super) struct WrongScale {
@@ -57,28 +50,15 @@ pub(super) fn judge(
         );
         return out.too_little(subject, why);
     }
-    let unit = UNITS
-        .iter()
-        .find(|(unit, _)| (scale / unit - 1.0).abs() <= limits.max_scale);
-    let detail = unit.map_or_else(
-        || "Usual causes: a wrong wheel radius or number of ticks, or a wrong unit.".to_owned(),
-        |(_, name)| format!("The positions of the odometry are probably in {name}."),
-    );
-    let message = format!(
-        "`{}`: the odometry moves {:.3} m for each metre of the GNSS track on `{}`",
-        poses.topic,
-        1.0 / scale,
-        fixes.topic
-    );
-    let finding = Finding::warning(subject.clone(), message, poses.place())
-        .likely()
-        .relation("scale")
-        .detail(detail)
-        .related(fixes.place(), "GNSS track")
-        .help(format!(
-            "multiply the distances of the odometry by {scale:.3}, at their source: wheel radius, ticks, or unit"
-        ))
-        .measured(measured);
+    let of_track = format!("the GNSS track on `{}`", fixes.topic);
+    let finding = wrong_scale(
+        (subject.clone(), poses.place()),
+        (&format!("`{}`", poses.topic), &of_track),
+        scale,
+        limits.max_scale,
+    )
+    .related(fixes.place(), "GNSS track")
+    .measured(measured);
     let is_same = |other: &&WrongScale| (other.scale / scale - 1.0).abs() <= limits.sigmas * error;
     let same = reported.iter().find(is_same).map(|other| &other.subject);
     out.fail(same.into_iter().fold(finding, Finding::same_cause_as));

@@ -17,7 +17,7 @@ fn evidence(column: &Column) -> String {
     let by = if column.is_confirmed {
         "the GNSS fixes of the recording confirm the kind"
     } else {
-        "the kind is judged by their size alone"
+        "the kind is guessed from their size alone"
     };
     format!("Median position: {}; {by}.", coordinates(column))
 }

@@ -156,7 +156,7 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
         (false, true) => (
             Severity::Warning,
             ahead_s,
-            "synchronise the clock that stamps with the recorder's (PTP, NTP). Only a forecast may have a stamp in the future",
+            "synchronise the clock that stamps with the recorder's (PTP, NTP). Only predictions may be stamped in the future",
         ),
         (false, false) => (
             Severity::Warning,
