@@ -355,7 +355,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "upside-down",
-        text: "the sensor is mounted upside down, and TF does not include that rotation",
+        text: "the sensor is mounted upside down, which its transform does not state",
         help: "give the sensor its own frame, and publish its transform with roll = 180 deg in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
@@ -367,7 +367,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "on-its-side",
-        text: "the sensor is mounted on its side, and TF does not include that rotation",
+        text: "the sensor is mounted on its side, which its transform does not state",
         help: "add the sensor's rotation to its frame in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
@@ -379,8 +379,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "turned-mount",
-        text: "the sensor is mounted with a yaw that TF does not include",
-        help: "add the sensor's yaw to its frame in TF or URDF",
+        text: "the sensor is mounted with a yaw that its transform does not state",
+        help: "add the missing yaw to the rotation that TF or URDF state for the sensor",
         shown_by: Aspect::Push,
         is_of_mounting: true,
         push: &[Push::Backward, Push::Sideways, Push::Oblique],

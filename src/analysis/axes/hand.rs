@@ -21,7 +21,8 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
     let votes = Votes::of(&fixes.track(), track, min_minor_m(fixes, limits), limits);
     Some(Hand {
         is_mirrored: votes.majority(limits)?,
-        measured: Measured::new("agreement of windows", votes.agreement(), "1").at_least(limits.min_agreement),
+        measured: Measured::new("share of the stretches that say the same", votes.agreement(), "1")
+            .at_least(limits.min_agreement),
     })
 }
 

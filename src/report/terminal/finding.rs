@@ -144,12 +144,18 @@ pub(in crate::report) fn message_words(message: &MessageRef) -> String {
     format!("{} message {}, {when}{field}", message.topic, message.index)
 }
 
-/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
+/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, n=12`; what had to be reached and is: `distance = 51 m, enough (5 m is needed)`.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let spelled = NumberText::new(measured);
     let mut words = format!("{} = {}", measured.what, spelled.value);
     if let Some(limit) = spelled.limit {
-        let _ = write!(words, ", {} {limit}", measured.bound.word());
+        let is_reached =
+            measured.bound == Bound::AtLeast && measured.limit.is_some_and(|limit| measured.value >= limit);
+        let _ = if is_reached {
+            write!(words, ", enough ({limit} is needed)")
+        } else {
+            write!(words, ", {} {limit}", measured.bound.word())
+        };
     }
     if let Some(spread) = spelled.spread {
         let _ = write!(words, ", spread {spread}");

@@ -345,3 +345,10 @@ fn how_much_was_looked_at_is_part_of_the_verdict() {
         "{few}"
     );
 }
+
+#[test]
+fn what_had_to_be_reached_is_enough_or_not() {
+    let words = |value| finding::measured_words(&Measured::new("distance", value, "m").at_least(5.0));
+    assert_eq!(words(51.5), "distance = 51.5 m, enough (5 m is needed)");
+    assert_eq!(words(2.0), "distance = 2 m, at least 5 m");
+}

@@ -174,7 +174,7 @@ fn judge_clouds(
     let measured = [
         Measured::new("rotation of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
         Measured::new("t statistic of that factor", turned.t, "1").at_least(limits.min_t),
-        Measured::new("rotation of a pair (rms)", turned.turn_deg, "deg").at_least(limits.min_turn_deg),
+        Measured::new("rotation between two scans (rms)", turned.turn_deg, "deg").at_least(limits.min_turn_deg),
     ];
     let Some(is_up) = steps.is_up else {
         let why = format!(

@@ -118,10 +118,15 @@ fn judge_votes(
         return out.too_little(subject, why);
     };
     let [rms_turned, rms_mirrored] = votes.rms_m;
+    let only_rotated = Measured::new("residual if the track is only rotated", rms_turned, "m").samples(all as u64);
     let measured = [
-        Measured::new("residual if the track is only rotated", rms_turned, "m").samples(all as u64),
+        if is_mirrored {
+            only_rotated.limit(limits.min_ratio * rms_mirrored)
+        } else {
+            only_rotated
+        },
         Measured::new("residual if it is also mirrored", rms_mirrored, "m").samples(all as u64),
-        Measured::new("agreement of windows", agreement, "1").at_least(limits.min_agreement),
+        Measured::new("share of the stretches that say the same", agreement, "1").at_least(limits.min_agreement),
     ];
     if !is_mirrored {
         out.pass(subject, measured);

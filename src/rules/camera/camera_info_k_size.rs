@@ -98,8 +98,8 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
     let measured = [
         Measured::new("fx over fy", fx / fy, "1").limit(1.0 + limits.aspect),
-        Measured::new("cx over width", cx / width, "1"),
-        Measured::new("cy over height", cy / height, "1"),
+        Measured::new("cx over width", cx / width, "1").expected(0.5),
+        Measured::new("cy over height", cy / height, "1").expected(0.5),
         Measured::new("horizontal field of view", view_deg, "deg").limit(limits.most_view_deg),
     ];
     let is_central = |share: f64| (limits.least_centre..=limits.most_centre).contains(&share);

@@ -25,7 +25,7 @@ impl Rule for JplProvenance {
 }
 
 fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place: &Place, out: &mut Judge) {
-    let count = |open: usize| Measured::count("possible algebras", open).limit(1.0);
+    let count = |open: usize| Measured::count("possible conventions", open).limit(1.0);
     let file = Subject {
         file: world.path(place.source),
         ..Subject::default()

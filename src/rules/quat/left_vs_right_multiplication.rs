@@ -173,7 +173,7 @@ fn contradiction(
         (
             "body",
             format!(
-                "One of the two has other body axes, or its world was changed by multiplying on the wrong side: {tied}. Which of the two is wrong cannot be seen."
+                "By the transforms only the worlds may differ: {tied}. One of the two has other body axes, or its world was changed by multiplying on the wrong side; which of the two is wrong cannot be seen."
             ),
             "if a sensor is mounted with that rotation, add it to the sensor's transform; if one of the two is of another body (such as FRD), \
              give it its own `child_frame_id` and a transform; if its poses were moved to another world, multiply from the left: \
@@ -183,8 +183,8 @@ fn contradiction(
         (
             "world",
             format!(
-                "One of the two has another world, or its body was changed by multiplying on the wrong side: both are expressed in `{}`. Which of the \
-                 two is wrong cannot be seen.",
+                "By the frames only the bodies may differ: both are expressed in `{}`. One of the two has another world, or its body was changed by \
+                 multiplying on the wrong side; which of the two is wrong cannot be seen.",
                 name(&a.world)
             ),
             "rename one of the two worlds and tie them by TF; multiply a change of the body from the right, \
@@ -199,7 +199,10 @@ fn contradiction(
         .likely()
         .detail(format!("{axis}{why}"))
         .help(help)
-        .related(a.place.clone(), a.subject.clone());
+        .related(a.place.clone(), a.subject.clone())
+        .measured(
+            Measured::new(format!("constant rotation of the {side}"), degrees, "deg").limit(limits.min_constant_deg),
+        );
     let near = |turn: &&AxisTurn| constant.angle_to(&turn.quaternion()).to_degrees() <= limits.named_deg;
     match AxisTurn::all().iter().find(near) {
         Some(turn) => finding.relation(turn.word()),

@@ -58,14 +58,14 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     };
     let measured = [
         Measured::new(
-            "agreement of the point times with a steady sweep this way (1: all)",
+            "how steadily the points sweep in the direction found (1: perfectly)",
             sweeps.iter().map(|one| one.1).fold(1.0, f64::min),
             "1",
         )
         .at_least(limits.min_resultant)
         .samples(sweeps.len() as u64),
         Measured::new(
-            "agreement with a sweep the other way",
+            "the same for the other direction",
             sweeps.iter().map(|one| one.2).fold(0.0, f64::max),
             "1",
         ),
