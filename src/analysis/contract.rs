@@ -164,7 +164,7 @@ fn rate_hz(all: &[Recorded]) -> Option<f64> {
     let mut rates = Vec::new();
     for (bag, topic) in all {
         let [least, most] = bag.rate_hz(topic).filter(|_| !topic.latched)?;
-        let usual = 1e9 / topic.stamps.median_step_ns.filter(|step| *step > 0)? as f64;
+        let usual = topic.stamps.usual_hz()?;
         let is_steady = [least, most].iter().all(|rate| (rate / usual - 1.0).abs() <= STEADY)
             && !comes_by_chance(topic, topic.total.unwrap_or(topic.count));
         rates.push(least);

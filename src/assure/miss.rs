@@ -70,7 +70,7 @@ impl Miss {
         let why = finding.waived.as_ref()?.words();
         Some(Self {
             reason: format!("{} fails {}, which is accepted: {why}", finding.rule, finding.subject),
-            record: let_it(&finding.rule),
+            record: where_not_accepted(&finding.rule),
         })
     }
 
@@ -93,13 +93,13 @@ impl Miss {
             .min_by_key(|row| was(row) == Some(row.outcome))?;
         Some(Self {
             reason: reason(row, altered),
-            record: let_it(&row.rule),
+            record: where_not_accepted(&row.rule),
         })
     }
 }
 
 /// What to do where a rule would show a mistake.
-fn let_it(rule: &str) -> String {
+fn where_not_accepted(rule: &str) -> String {
     format!("nothing: {rule} shows it where its findings are not accepted")
 }
 

@@ -29,12 +29,11 @@ impl Stamped {
                 .filter(|seconds| *seconds > 0.0)?;
             (topic.count > 1 && !topic.has_more()).then(|| (topic.count - 1) as f64 / seconds)
         };
-        let step_ns = topic.stamps.median_step_ns.filter(|step| *step > 0);
         Self {
             stamps: subject.clone(),
             subject,
             span_s,
-            hz: step_ns.map(|step| 1e9 / step as f64).or_else(by_count),
+            hz: topic.stamps.usual_hz().or_else(by_count),
         }
     }
 
@@ -45,10 +44,8 @@ impl Stamped {
         let start_s = bag.start_ns.unwrap_or_default() as f64 * 1e-9;
         let times = || poses.rows().map(|row| start_s + row.t_s);
         // Rows may be thinned; stamps are counted before that.
-        let of_edge = edge
-            .and_then(|edge| edge.stamps.median_step_ns)
-            .filter(|step| *step > 0);
-        let of_all = of_edge.map(|step| 1e9 / step as f64).or_else(|| whole.as_ref()?.hz);
+        let of_edge = edge.and_then(|edge| edge.stamps.usual_hz());
+        let of_all = of_edge.or_else(|| whole.as_ref()?.hz);
         let steps: Vec<f64> = poses
             .stretches
             .iter()

@@ -53,6 +53,14 @@ pub struct StampEvidence {
     pub last: Option<MessageRef>,
 }
 
+impl StampEvidence {
+    /// Messages per second by the usual step of the stamps; `None` where it is not known.
+    pub fn usual_hz(&self) -> Option<f64> {
+        let step_ns = self.median_step_ns.filter(|step| *step > 0)?;
+        Some(1e9 / step_ns as f64)
+    }
+}
+
 /// Transforms of one edge that share a stamp with the one before, and differ from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contradictions {

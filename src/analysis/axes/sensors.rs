@@ -219,8 +219,8 @@ impl Sensor {
         }
         // The curves of one track say nothing of the turns of another.
         let hand = self.push.as_ref().ok().filter(|by_push| {
-            let by_gyro = self.sense.as_ref();
-            by_gyro.is_ok_and(|by_gyro| by_gyro.track == by_push.track) || by_gyro.is_err()
+            let by_gyro = self.sense.as_ref().ok();
+            by_gyro.is_none_or(|by_gyro| by_gyro.track == by_push.track)
         });
         Symptoms {
             base: class(&self.base, |seen| seen.class),

@@ -88,23 +88,24 @@ fn judge_pair(
         (found.right, found.left)
     };
     let measured = measured(&found, pairs.len(), limits);
+    let is_steadier = is_constant(&other) && claimed.spread_rad >= limits.min_ratio * other.spread_rad;
     // Of a platform that only yaws, the yaw between the two may be that of their worlds.
-    let least = one_sided(&pairs, &found, claim.bodies.is_none())?;
-    let is_other = is_constant(&other)
-        && claimed.spread_rad >= limits.min_ratio * other.spread_rad
-        && least.angle().to_degrees() >= limits.min_constant_deg;
-    if !is_constant(&claimed) && !is_other {
+    let least = is_steadier.then(|| one_sided(&pairs, &found, claim.bodies.is_none()));
+    let of_other = least
+        .flatten()
+        .filter(|least| least.angle().to_degrees() >= limits.min_constant_deg);
+    if !is_constant(&claimed) && of_other.is_none() {
         return little(format!(
             "they do not differ by a constant rotation: the spread is {:.0} deg on the world's side, {:.0} deg on the body's",
             found.left.spread_rad.to_degrees(),
             found.right.spread_rad.to_degrees()
         ));
     }
-    if !is_other {
+    let Some(constant) = of_other else {
         out.pass(subject, measured);
         return None;
-    }
-    let mut finding = contradiction(a, b, &claim, &least, &subject, limits);
+    };
+    let mut finding = contradiction(a, b, &claim, &constant, &subject, limits);
     if let Some(aspect) = a.shown_by.or(b.shown_by) {
         finding = finding.unless(rule_of(aspect));
     }
