@@ -33,6 +33,7 @@ pub mod sides;
 pub mod similarity2;
 pub mod stats;
 pub mod support_plane;
+pub mod tilting;
 pub mod turns;
 pub mod utm;
 pub mod yaw_search;

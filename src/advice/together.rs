@@ -31,6 +31,9 @@ pub(crate) fn report_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
         };
         first = first.detail(format!("Others that {more}: {}{rest}.", named.join(", ")));
     }
+    if more.is_empty() && others.len() > NAMED {
+        first = first.detail(format!("The first {} are shown.", NAMED + 1));
+    }
     let (cause, severity, confidence) = (first.subject.clone(), first.severity, first.confidence);
     out.fail(first);
     for mut other in others {

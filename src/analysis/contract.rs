@@ -1,12 +1,15 @@
 //! The terms of a contract in recordings: who has a topic or a transform, whether its absence is observed, and the terms that
 //! recordings give.
 
+pub(crate) mod sensor;
+
 use std::collections::BTreeMap;
 
 use crate::analysis::{names, tf};
 use crate::source::Place;
 use crate::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
 use crate::world::contract::{Contract, TopicTerms, TransformTerms};
+use crate::world::robot::{Joint, Robot};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// A topic in a recording.
@@ -86,8 +89,8 @@ fn unread(world: &World, is_unread: impl Fn(&BagEvidence) -> bool) -> Option<&'s
     }
 }
 
-/// The terms that these recordings give: what is in all of them, and what comes by chance as optional.
-pub(crate) fn of(bags: &[&BagEvidence]) -> Contract {
+/// The terms that these recordings of a platform with these descriptions give: what is in all of them, and what comes by chance as optional.
+pub(crate) fn of(bags: &[&BagEvidence], robots: &[&Robot]) -> Contract {
     let mut topics: BTreeMap<&str, Vec<Recorded>> = BTreeMap::new();
     for bag in bags {
         let spoken = bag
@@ -103,7 +106,7 @@ pub(crate) fn of(bags: &[&BagEvidence]) -> Contract {
         .filter_map(|(name, all)| Some((name.to_owned(), topic_terms(bags, &all)?)));
     Contract {
         topics: topics.collect(),
-        transforms: transforms(bags),
+        transforms: transforms(bags, robots),
     }
 }
 
@@ -118,6 +121,7 @@ fn topic_terms(bags: &[&BagEvidence], all: &[Recorded]) -> Option<TopicTerms> {
         tolerance_percent: None,
         frames: frames(all, |topic| &topic.header_frames),
         child_frames: frames(all, |topic| &topic.child_frames),
+        sensor: sensor::terms(all.iter().map(|(_, topic)| *topic)),
         is_optional: !is_in_all || names::is_wish(&topic.topic),
         place: Place::of(bag.source, topic.stamps.first.as_ref()),
     })
@@ -192,12 +196,16 @@ fn frames(all: &[Recorded], of: fn(&TopicEvidence) -> &BTreeMap<FrameId, HeaderF
     if frames.len() > MAX_FRAMES { Vec::new() } else { frames }
 }
 
-/// Latched transforms with the same value in all recordings that have them. Origins of maps are another ones in every drive, and parts
-/// that move have no fixed pose.
-fn transforms(bags: &[&BagEvidence]) -> BTreeMap<(FrameId, FrameId), TransformTerms> {
+/// Latched transforms, and those that are published again and again with one value, if they have it in all recordings that have them.
+/// Origins of maps are different in every drive, and parts that move have no fixed pose.
+fn transforms(bags: &[&BagEvidence], robots: &[&Robot]) -> BTreeMap<(FrameId, FrameId), TransformTerms> {
     let mut edges: BTreeMap<(FrameId, FrameId), Vec<(&BagEvidence, &TfEdge)>> = BTreeMap::new();
     for bag in bags {
-        for edge in bag.tf.iter().filter(|edge| edge.is_static) {
+        for edge in bag
+            .tf
+            .iter()
+            .filter(|edge| edge.is_static || is_held(bag, edge, robots))
+        {
             let frames = (edge.parent.canonical(), edge.child.canonical());
             if !names::is_world(&frames.0) && !names::is_moving_part(&frames.1) {
                 edges.entry(frames).or_default().push((bag, edge));
@@ -224,6 +232,26 @@ fn transforms(bags: &[&BagEvidence]) -> BTreeMap<(FrameId, FrameId), TransformTe
     let each = edges.into_iter();
     each.filter_map(|(frames, edges)| Some((frames, terms(&edges)?)))
         .collect()
+}
+
+/// Whether a transform on `/tf` is of a fixed part, as `static_transform_publisher` of ROS 1 publishes it. A joint that is held, too, has one
+/// value: the robot's description decides, and without one the absence of joint states.
+fn is_held(bag: &BagEvidence, edge: &TfEdge, robots: &[&Robot]) -> bool {
+    let mut joints = robots.iter().flat_map(|robot| &robot.joints);
+    let child = edge.child.canonical();
+    let is_it = |joint: &&Joint| {
+        joint
+            .child
+            .as_ref()
+            .is_some_and(|link| FrameId::new(&link.value).canonical() == child)
+    };
+    let is_fixed = joints.find(is_it).map(Joint::is_fixed);
+    let has_joints = || {
+        bag.topics
+            .values()
+            .any(|topic| topic.type_name() == "JointState" && has_messages(topic))
+    };
+    edge.count >= MIN_MESSAGES && edge.extreme.is_none() && is_fixed.unwrap_or_else(|| !has_joints())
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ impl Miss {
         let mut told = about.iter().copied().chain(of_platform);
         let Some(row) = told.find(|row| row.outcome != Outcome::Crashed) else {
             return Self {
-                reason: format!("{first} judged nothing about it"),
+                reason: format!("{first} has nothing here to compare it with"),
                 record: record.to_owned(),
             };
         };

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::faults::motion::pace;
+use crate::faults::motion::{Rotations, pace};
 use crate::faults::{SizedFault, Subject};
 use crate::verdict::{Bound, Measured, Verdict};
 use crate::world::World;
@@ -35,6 +35,9 @@ pub struct SmallestError {
     pub subject: String,
     /// Its size. `Err`: why no size would have been found.
     pub found: Result<FoundSize, Miss>,
+    /// If no size would have been found because of the motion: the direction in which that hides it, a unit vector in the axes of the
+    /// platform.
+    pub hidden: Option<[f64; 3]>,
 }
 
 /// A size at which a mistake is found. Sizes are in the unit of the mistake.
@@ -65,60 +68,44 @@ pub(super) fn smallest(
     }
     let worlds = without_parts(base.world);
     let parts: Vec<Base> = worlds.iter().map(|world| Base::new(world, base.rules)).collect();
-    let pace = pace(base.world);
-    let found: Vec<_> = searches
-        .into_par_iter()
-        .map(|(fault, subject)| {
-            let of_sign = |sign: f64| {
-                let search = Search {
-                    base,
-                    parts: &parts,
-                    fault,
-                    subject: &subject,
-                    sign,
-                };
-                search.run()
+    let (pace, rotations) = (pace(base.world), Rotations::of(base.world));
+    let errors = searches.into_par_iter().map(|(fault, subject)| {
+        let of_sign = |sign: f64| {
+            let search = Search {
+                base,
+                parts: &parts,
+                fault,
+                subject: &subject,
+                sign,
             };
-            // One sign that is found at no size decides.
-            let both = of_sign(1.0).and_then(|positive| Ok([positive, of_sign(-1.0)?]));
-            let found = both.map(|both| {
-                let by_sign = both.each_ref().map(|found| found.size);
-                let larger = larger(both);
-                FoundSize {
-                    by_sign,
-                    at_50_m: fault.at_50_m(larger.size, pace),
-                    ..larger
-                }
-            });
-            step();
-            (fault, subject, found)
-        })
-        .collect();
-    let mut all = Vec::new();
-    let mut of_two: Vec<(&'static SizedFault, Subject, Result<FoundSize, Miss>)> = Vec::new();
-    let error = |fault, subject, found| SmallestError {
-        fault,
-        platform: base.world.label.clone(),
-        subject,
-        found,
-    };
-    for (fault, subject, found) in found {
-        if !fault.is_between_two {
-            all.push(error(fault, subject.name, found));
-            continue;
-        }
-        let is_beside = |(other, first, _): &&(&'static SizedFault, Subject, _)| {
-            other.name == fault.name && first.recording() == subject.recording()
+            search.run()
         };
-        for (_, first, other) in of_two.iter().filter(is_beside) {
-            let name = format!("{} and {}", first.name, subject.name);
-            // It is found if it is found in either, whichever of the two has it.
-            let both = other.clone().and_then(|other| Ok([other, found.clone()?]));
-            all.push(error(fault, name, both.map(larger)));
+        // One sign that is found at no size decides.
+        let both = of_sign(1.0).and_then(|positive| Ok([positive, of_sign(-1.0)?]));
+        let mut found = both.map(|both| {
+            let by_sign = both.each_ref().map(|found| found.size);
+            let larger = larger(both);
+            FoundSize {
+                by_sign,
+                at_50_m: fault.at_50_m(larger.size, pace),
+                ..larger
+            }
+        });
+        let hidden = rotations.as_ref().and_then(|rotations| fault.hidden_by(rotations));
+        let hidden = found.as_mut().err().zip(hidden).map(|(miss, hidden)| {
+            miss.reason = format!("{}; {}", hidden.why, miss.reason);
+            hidden.axis
+        });
+        step();
+        SmallestError {
+            fault,
+            platform: base.world.label.clone(),
+            subject: subject.name,
+            found,
+            hidden,
         }
-        of_two.push((fault, subject, found));
-    }
-    all
+    });
+    errors.collect()
 }
 
 /// The larger of two sizes, the first of equal ones.

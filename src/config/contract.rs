@@ -4,6 +4,8 @@
 //! contract:
 //!   topics:                       # exact names; each key but `topic` may be left out
 //!     - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, tolerance_percent: 20, frame: imu_link}
+//!     - {topic: /points, rings: 16, fields: [x, y, z, intensity, ring, time]}
+//!     - {topic: /camera/camera_info, image: [1280, 720]}
 //!     - {topic: /odom, type: nav_msgs/msg/Odometry, frame: [odom, map], child_frame: base_link, optional: true}
 //!   transforms:                   # those that do not change
 //!     - {parent: base_link, child: lidar, xyz_m: [0.3, 0, 1.2], rpy_deg: [0, 0, 90], tolerance_mm: 5, tolerance_deg: 0.2}
@@ -17,7 +19,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use crate::read::calibration::document::Node;
 use crate::source::{Place, SourceId};
 use crate::world::FrameId;
-use crate::world::contract::{Contract, TopicTerms, TransformTerms};
+use crate::world::contract::{Contract, SensorTerms, TopicTerms, TransformTerms};
 
 use super::ConfigError;
 use super::reader::Reader;
@@ -29,6 +31,10 @@ const TOPIC: &[&str] = &[
     "tolerance_percent",
     "frame",
     "child_frame",
+    "image",
+    "rings",
+    "rays",
+    "fields",
     "optional",
 ];
 const TRANSFORM: &[&str] = &["parent", "child", "xyz_m", "rpy_deg", "tolerance_mm", "tolerance_deg"];
@@ -39,6 +45,8 @@ const RATE_HZ: RangeInclusive<f64> = 0.001..=100_000.0;
 const TOLERANCE_PERCENT: RangeInclusive<f64> = 0.1..=1000.0;
 const TOLERANCE_MM: RangeInclusive<f64> = 0.001..=1_000_000.0;
 const TOLERANCE_DEG: RangeInclusive<f64> = 0.0001..=180.0;
+/// Rings, rays, pixels along one side.
+const COUNT: RangeInclusive<f64> = 1.0..=1_000_000.0;
 /// Beyond the diameter of the Earth.
 const XYZ_M: RangeInclusive<f64> = -2e7..=2e7;
 const RPY_DEG: RangeInclusive<f64> = -360.0..=360.0;
@@ -96,6 +104,12 @@ impl Reader<'_> {
             tolerance_percent: self.number_in(item, "tolerance_percent", TOLERANCE_PERCENT)?,
             frames: self.frames(item, "frame")?,
             child_frames: self.frames(item, "child_frame")?,
+            sensor: SensorTerms {
+                image: self.image(item)?,
+                rings: self.count(item, "rings")?,
+                rays: self.count(item, "rays")?,
+                fields: self.field_names(item)?,
+            },
             is_optional: self.word(item, "optional", BOOL)?.unwrap_or(false),
             place: Place::text(SourceId(0), item.span),
         };
@@ -149,6 +163,36 @@ impl Reader<'_> {
             Ok(FrameId::new(text).canonical())
         };
         nodes.iter().map(frame).collect()
+    }
+
+    fn count(&self, item: &Node, key: &str) -> Result<Option<u32>, ConfigError> {
+        let counted = |node| self.counted(node, key);
+        item.get(key).map(counted).transpose()
+    }
+
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in the range
+    fn counted(&self, node: &Node, key: &str) -> Result<u32, ConfigError> {
+        let number = self.ranged(node, key, &COUNT)?;
+        if number.fract() == 0.0 {
+            return Ok(number as u32);
+        }
+        Err(self.error(
+            node.span.start,
+            &format!("`{key}` must be a whole number, not {number}"),
+        ))
+    }
+
+    fn image(&self, item: &Node) -> Result<Option<[u32; 2]>, ConfigError> {
+        let Some(node) = item.get("image") else { return Ok(None) };
+        let Some([width, height]) = node.items() else {
+            return Err(self.error(node.span.start, "`image` must be [width, height] in pixels"));
+        };
+        Ok(Some([self.counted(width, "image")?, self.counted(height, "image")?]))
+    }
+
+    fn field_names(&self, item: &Node) -> Result<Vec<String>, ConfigError> {
+        let names = self.entries(item, "fields", "[x, y, z, intensity]")?;
+        names.iter().map(|node| self.name(node, "fields")).collect()
     }
 
     fn number_in(&self, item: &Node, key: &str, range: RangeInclusive<f64>) -> Result<Option<f64>, ConfigError> {
@@ -257,6 +301,18 @@ mod tests {
             (
                 "  topics: [{topic: /a, tolerance_percent: -1}]\n",
                 "c.yaml:2:43: `tolerance_percent` must be from 0.1 to 1000",
+            ),
+            (
+                "  topics: [{topic: /a, image: [640]}]\n",
+                "c.yaml:2:31: `image` must be [width, height] in pixels",
+            ),
+            (
+                "  topics: [{topic: /a, rings: 16.5}]\n",
+                "c.yaml:2:31: `rings` must be a whole number, not 16.5",
+            ),
+            (
+                "  topics: [{topic: /a, fields: x}]\n",
+                "`fields` must be a list: `[x, y, z, intensity]`",
             ),
             (
                 "  topics: [{topic: /a, optional: perhaps}]\n",

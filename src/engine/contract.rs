@@ -17,7 +17,8 @@ pub fn contract(run: &Run, good: &Path) -> Result<Contract, UsageError> {
         source.is_some_and(|source| whole(Path::new(&source.path)).starts_with(whole(good)))
     };
     let bags = run.worlds.iter().flat_map(|world| &world.bags).filter(is_good);
-    let contract = of(&bags.collect::<Vec<_>>());
+    let robots = run.worlds.iter().flat_map(|world| &world.robots);
+    let contract = of(&bags.collect::<Vec<_>>(), &robots.collect::<Vec<_>>());
     if contract.is_empty() {
         let shown = good.display();
         return Err(UsageError(format!(

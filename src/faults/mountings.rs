@@ -366,7 +366,7 @@ pub(super) static FAULTS: &[Fault] = &[
     mounting!(
         "mounting-yaw-minus-90",
         Mounting::Related(Relation::ZMinus90),
-        "The mounting of a sensor lacks a yaw of 90 deg.",
+        "The mounting of a sensor is missing a yaw of 90 deg.",
         ["z-90", "z90", "turned-mount", "mount-yaw"],
         ["mounted with a yaw", "whose y axis points forward"],
         FORWARD,
@@ -438,7 +438,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Mounting::Related(Relation::RotationLost),
         "The rotation of a mounting is missing: the sensor has the axes of the base.",
         ["rotation-lost", "yaw", "turned-mount", "mount-yaw"],
-        ["mounted with a yaw", "lacks a yaw of"],
+        ["mounted with a yaw", "is missing a yaw of"],
         [
             "AXES12", "CROSS05", "AXES10", "AXES01", "AXES06", "CAMERA05", "ROT07", "CROSS02"
         ],

@@ -1,8 +1,10 @@
 //! Mistakes that have a size: by how much a mounting, a clock, a scale or a height is off.
 
+use nalgebra::Vector3;
+
 use crate::world::World;
 
-use super::motion::{FixChange, ScaleChange, StampChange};
+use super::motion::{FixChange, HiddenDirection, Rotations, ScaleChange, StampChange};
 use super::mountings::{Axis, Mounting};
 use super::{Change, Seers, Subject};
 
@@ -19,8 +21,6 @@ pub struct SizedFault {
     pub unit: &'static str,
     /// The smallest and the largest size that is tried.
     pub range: [f64; 2],
-    /// Whether it is between two subjects, not in one.
-    pub is_between_two: bool,
     /// The change of a size.
     change: fn(f64) -> Box<dyn Change>,
     /// The rules that should see it.
@@ -45,6 +45,17 @@ impl SizedFault {
     /// Puts it into a subject of this world, with a size in its unit, of either sign. False if that changes nothing.
     pub fn apply(&self, world: &mut World, subject: &Subject, size: f64) -> bool {
         (self.change)(size).apply(world, subject)
+    }
+
+    /// Where rotations of the platform hide it: of the position of a sensor along an axis of the base.
+    pub fn hidden_by(&self, rotations: &Rotations) -> Option<HiddenDirection> {
+        let along = match self.name {
+            "x" => Vector3::x(),
+            "y" => Vector3::y(),
+            "z" => Vector3::z(),
+            _ => return None,
+        };
+        rotations.hide(&along)
     }
 
     /// Whether a word is its name, or means all mistakes that have a size.
@@ -103,7 +114,6 @@ macro_rules! mounting {
             ),
             unit: $unit,
             range: $range,
-            is_between_two: false,
             change: $change,
             seen_by: $seen_by,
             record: $record,
@@ -169,20 +179,18 @@ pub static SIZED_FAULTS: &[SizedFault] = &[
     ),
     SizedFault {
         name: "time-offset",
-        sentence: "The stamps of one of two streams are later than its measurements, or earlier.",
+        sentence: "The stamps of a stream are later than its measurements, or earlier, and those of the others are right.",
         unit: "s",
         range: [0.001, 10.0],
-        is_between_two: true,
         change: |s| Box::new(StampChange::Offset(s)),
         seen_by: Seers(&["TIME09", "TIME02", "TIME01", "TIME10"]),
-        record: "a minute of driving with turns and changes of speed, with both streams",
+        record: "a minute of driving with turns and changes of speed, with a second stream that measures the same motion",
     },
     SizedFault {
         name: "scale",
         sentence: "Ways and velocities are longer than they are, as with a wrong wheel radius.",
         unit: "%",
         range: [0.1, 400.0],
-        is_between_two: false,
         change: |percent| Box::new(ScaleChange { percent }),
         seen_by: Seers(&["AXES07 scale", "AXES08", "GEO04", "CROSS05 scale"]),
         record: "a minute of driving with satellite fixes or a second odometry",
@@ -192,7 +200,6 @@ pub static SIZED_FAULTS: &[SizedFault] = &[
         sentence: "The altitudes of a satellite receiver are higher than it is.",
         unit: "m",
         range: [0.1, 1000.0],
-        is_between_two: false,
         change: |m| Box::new(FixChange::Raised(m)),
         seen_by: Seers(&["GEO06", "GEO01", "GEO07"]),
         record: "a second source of altitudes: NMEA sentences (GGA), or a second receiver",

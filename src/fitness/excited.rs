@@ -2,21 +2,12 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::math::excitation::{BodyRotation, Excitation};
+use crate::math::excitation::{BodyRotation, Excitation, LEAST, LEAST_OFF, LEAST_RAD, OFF_RAD};
 use crate::verdict::Measured;
 use crate::world::BagEvidence;
 
 use super::Condition;
 use super::conditions::axis_words;
-
-/// A rotation that counts, radians (10 degrees).
-pub(super) const LEAST_RAD: f64 = 0.174_532_925;
-/// Rotations that are needed.
-const LEAST: usize = 10;
-/// Rotations about another axis than the main one that are needed, and the angle from which on an axis is another one, radians
-/// (30 degrees): the error of hand-eye grows with one over the sine of the angle between the axes (Tsai and Lenz 1989).
-const LEAST_OFF: usize = 5;
-const OFF_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
 /// The body that rotates, for reports.
 pub(super) struct Body {

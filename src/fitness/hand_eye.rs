@@ -5,7 +5,7 @@ use nalgebra::UnitQuaternion;
 use crate::analysis::Estimates;
 use crate::analysis::motion::{Motion, Orientations, Stream, edge_subject};
 use crate::analysis::names;
-use crate::math::excitation::{BodyRotation, rotations};
+use crate::math::excitation::{BodyRotation, LEAST_RAD, rotations};
 use crate::math::stats::median;
 use crate::rules::codes;
 use crate::verdict::{Measured, Verdict};
@@ -13,7 +13,7 @@ use crate::world::BagEvidence;
 use crate::world::motion::PoseRow;
 
 use super::conditions::{Absence, absent, clocks, initial_guess, rate, together};
-use super::excited::{self, Body, LEAST_RAD};
+use super::excited::{self, Body};
 use super::stamped::Stamped;
 use super::{Condition, Pair, best};
 

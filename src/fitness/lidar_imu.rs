@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::analysis::Estimates;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion, TimedRow};
-use crate::math::excitation::{BodyRotation, integrated, rotations};
+use crate::math::excitation::{BodyRotation, LEAST_RAD, integrated, rotations};
 use crate::math::stats::median;
 use crate::rules::codes;
 use crate::verdict::{Measured, Severity, Verdict};
@@ -13,7 +13,7 @@ use crate::world::BagEvidence;
 use crate::world::motion::InertialRow;
 
 use super::conditions::{Absence, absent, by_rules, clocks, initial_guess, lidars, rate, together};
-use super::excited::{self, Body, LEAST_RAD};
+use super::excited::{self, Body};
 use super::stamped::Stamped;
 use super::{Condition, ConditionState, Pair, best};
 

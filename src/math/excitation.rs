@@ -9,6 +9,16 @@ use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 /// Information below this share of the largest is none: rounding.
 const SINGULAR: f64 = 1e-9;
 
+/// A rotation that counts, radians (10 degrees).
+pub const LEAST_RAD: f64 = 0.174_532_925;
+/// Rotations that are needed.
+pub const LEAST: usize = 10;
+/// Rotations about another axis than the main one that are needed.
+pub const LEAST_OFF: usize = 5;
+/// The angle from which on an axis is another one, radians (30 degrees): the error of hand-eye grows with one over the sine of the angle
+/// between the axes (Tsai and Lenz 1989).
+pub const OFF_RAD: f64 = std::f64::consts::FRAC_PI_6;
+
 /// What rotations of a body show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excitation {

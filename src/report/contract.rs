@@ -67,6 +67,19 @@ fn topic(name: &str, terms: &TopicTerms, percent: Option<f64>) -> Vec<String> {
             names => parts.push(format!("{key}: [{}]", names.join(", "))),
         }
     }
+    let sensor = &terms.sensor;
+    let image = sensor
+        .image
+        .map(|[width, height]| format!("image: [{width}, {height}]"));
+    let counts = [("rings", sensor.rings), ("rays", sensor.rays)];
+    let counts = counts
+        .iter()
+        .filter_map(|(key, count)| Some(format!("{key}: {}", (*count)?)));
+    parts.extend(image.into_iter().chain(counts));
+    if !sensor.fields.is_empty() {
+        let names: Vec<String> = sensor.fields.iter().map(|name| scalar(name)).collect();
+        parts.push(format!("fields: [{}]", names.join(", ")));
+    }
     parts.extend(terms.is_optional.then(|| "optional: true".to_owned()));
     parts
 }

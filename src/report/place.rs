@@ -103,6 +103,13 @@ impl<'a> Locator<'a> {
         written.map_or(Cow::Borrowed(place), Cow::Owned)
     }
 
+    /// The text at a place; `None` where its source has none.
+    pub(super) fn text(&self, place: &Place) -> Option<&'a str> {
+        let place = &*self.written(place);
+        let span = place.span()?;
+        self.source(place.source)?.text.get(span.start..span.end)
+    }
+
     /// Where a place is.
     pub(super) fn find(&self, place: &Place) -> Spot {
         let place = &*self.written(place);

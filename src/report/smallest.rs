@@ -171,6 +171,7 @@ pub(super) struct SmallestRow<'a> {
     high: Option<f64>,
     by_limit: Option<f64>,
     at_50_m: Option<f64>,
+    hidden_direction: Option<[f64; 3]>,
     reason: Option<&'a str>,
     record: Option<&'a str>,
 }
@@ -192,6 +193,7 @@ impl<'a> SmallestRow<'a> {
             high: range.map(|[_, high]| high),
             by_limit: found.and_then(|found| found.by_limit),
             at_50_m: found.and_then(|found| found.at_50_m),
+            hidden_direction: error.hidden,
             reason: error.found.as_ref().err().map(|miss| miss.reason.as_str()),
             record: error.found.as_ref().err().map(|miss| miss.record.as_str()),
         }

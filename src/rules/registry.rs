@@ -161,6 +161,7 @@ macro_rules! registry {
                 CONTRACT02 => contract_rate::ContractRate,
                 CONTRACT03 => contract_frame::ContractFrame,
                 CONTRACT04 => contract_transform::ContractTransform,
+                CONTRACT05 => contract_sensor::ContractSensor,
             }
             #[doc = "URDF: the contents of robot descriptions, and how consumers read them."]
             urdf {

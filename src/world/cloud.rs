@@ -46,6 +46,9 @@ pub struct CloudSample {
     pub at: MessageRef,
     /// Rows and columns; one row where the cloud is not organised.
     pub size: [u32; 2],
+    /// Rings of a lidar: rows of an organised cloud, or else different numbers in the field of rings. `None` without both.
+    #[serde(default)]
+    pub rings: Option<u32>,
     /// Points with finite coordinates that are not all zero, of all that were examined.
     pub returns: u64,
     /// Points that were examined.

@@ -32,10 +32,32 @@ pub struct TopicTerms {
     pub frames: Vec<FrameId>,
     /// The only `child_frame_id` values, canonical.
     pub child_frames: Vec<FrameId>,
+    /// What its sensor gives.
+    pub sensor: SensorTerms,
     /// Whether a recording may be without it.
     pub is_optional: bool,
     /// Where it is stated.
     pub place: Place,
+}
+
+/// What the sensor of a topic gives. What is `None` or empty is open.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SensorTerms {
+    /// Width and height of images, or of the images that a calibration is for, pixels.
+    pub image: Option<[u32; 2]>,
+    /// Rings of a lidar; rows of an organised cloud.
+    pub rings: Option<u32>,
+    /// Rays of a planar scan.
+    pub rays: Option<u32>,
+    /// Fields that points have, in any order.
+    pub fields: Vec<String>,
+}
+
+impl SensorTerms {
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// One transform that does not change.

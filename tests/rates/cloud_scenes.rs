@@ -176,7 +176,7 @@ pub const SEEN: &[CloudWorld] = &[
     CloudWorld {
         name: "expressed in the base",
         // Its yaw was not applied either.
-        names: (&["not-applied"], &["lacks a yaw of"]),
+        names: (&["not-applied"], &["is missing a yaw of"]),
         frames: Some(["base_footprint", "lidar_top"]),
         asked: &[GROUND],
         ..WRONG

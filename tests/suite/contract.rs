@@ -22,6 +22,8 @@ topics:
     rate_hz: 20
     transforms:
       - {parent: odom, child: base_link, velocity: [1, 0, 0]}
+      - {parent: base_link, child: antenna, xyz: [-0.4, 0, 1.5]}
+  - {topic: /camera/camera_info, type: sensor_msgs/msg/CameraInfo, rate_hz: 10, frame_id: camera, camera: {size: [640, 480], k: [500, 500, 320, 240]}}
   - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu_link}
   - {topic: /odom, type: nav_msgs/msg/Odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link, velocity: [1, 0, 0]}
   - {topic: /points, type: sensor_msgs/msg/PointCloud2, rate_hz: 10, frame_id: lidar}
@@ -78,6 +80,8 @@ fn a_contract_says_what_the_drive_holds() {
     for line in [
         "    - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, tolerance_percent: 20, frame: imu_link}\n",
         "    - {topic: /odom, type: nav_msgs/msg/Odometry, rate_hz: 20, tolerance_percent: 20, frame: odom, child_frame: base_link}\n",
+        "    - {topic: /camera/camera_info, type: sensor_msgs/msg/CameraInfo, rate_hz: 10, tolerance_percent: 20, frame: camera, image: [640, 480]}\n",
+        "    - {parent: base_link, child: antenna, xyz_m: [-0.4, 0, 1.5], rpy_deg: [0, 0, 0], tolerance_mm: 5, tolerance_deg: 0.2}\n",
         "    - {topic: /clicked_point, type: geometry_msgs/msg/PointStamped, frame: map, optional: true}\n",
         "    - {parent: base_link, child: imu_link, xyz_m: [0.1, 0.02, 0.3], rpy_deg: [1, 2, 30], tolerance_mm: 5, tolerance_deg: 0.2}\n",
     ] {
@@ -105,8 +109,8 @@ fn a_good_drive_keeps_its_own_contract() {
     assert_eq!(findings(&report), [""; 0]);
     let rows = report["outcomes"].as_array().unwrap();
     let passed = rows.iter().filter(|row| row["outcome"] == "pass").count();
-    // Five topics, of them three with a rate; four with frames, one with a child; two mounts.
-    assert_eq!(passed, 5 + 3 + 4 + 1 + 2, "{rows:#?}");
+    // Six topics, of them four with a rate; five with frames, one with a child; one camera; three mounts.
+    assert_eq!(passed, 6 + 4 + 5 + 1 + 1 + 3, "{rows:#?}");
     // With all rules, and with what it requires.
     let whole = run(
         folder.path(),
@@ -142,7 +146,7 @@ const ALTERED: &[(&str, &str, &[&str])] = &[
     (
         "rate_hz: 100",
         "rate_hz: 100, until_s: 10",
-        &["CONTRACT02 warning `/imu` has 50.08 Hz instead of 100 Hz: -50 %, tolerance 20 %"],
+        &["CONTRACT02 warning `/imu` stops after 10.0 s of 19.9 s of the recording; it should go on with 100 Hz"],
     ),
     (
         "frame_id: lidar",
@@ -175,6 +179,18 @@ const ALTERED: &[(&str, &str, &[&str])] = &[
         "child: lidar,",
         "child: velodyne,",
         &["CONTRACT04 error `base_link` -> `lidar` of the contract is not in the recording"],
+    ),
+    (
+        "xyz: [-0.4, 0, 1.5]",
+        "xyz: [-0.4, 0.05, 1.5]",
+        &[
+            "CONTRACT04 error `base_link` -> `antenna` is 50.0 mm and 0.00 deg from the contract (tolerance 5 mm, 0.2 deg)",
+        ],
+    ),
+    (
+        "size: [640, 480]",
+        "size: [1280, 720]",
+        &["CONTRACT05 error `/camera/camera_info` has images of 1280 x 720 instead of 640 x 480"],
     ),
     // What may differ in a healthy drive.
     ("xyz: [1000, 20, 0]", "xyz: [2000, 10, 0]", &[]),
@@ -302,4 +318,48 @@ fn a_contract_needs_a_recording() {
     assert!(made.err.contains("--from robot.urdf: no recording"), "{}", made.err);
     assert!(!folder.path().join("frames-lint.yaml").exists());
     assert_eq!(run(folder.path(), ["init"]).code, 2);
+}
+
+/// A recording of an arm that is held, on a robot that this URDF describes.
+fn terms_of_an_arm(urdf: Option<&str>, has_joint_states: bool) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let states = "  - {topic: /joint_states, type: sensor_msgs/msg/JointState, rate_hz: 50}\n";
+    let recipe = format!(
+        "duration_s: 10\ntopics:\n  - topic: /tf\n    rate_hz: 20\n    transforms:\n      - {{parent: base_link, child: mast, xyz: [0.4, 0, 0.5]}}\n{}",
+        if has_joint_states { states } else { "" }
+    );
+    support::write(&recipe, &folder.path().join("good.mcap"));
+    if let Some(urdf) = urdf {
+        fs::write(folder.path().join("robot.urdf"), urdf).unwrap();
+    }
+    let made = run(
+        folder.path(),
+        ["init", "--from", "good.mcap", ".", "-o", "contract.yaml"],
+    );
+    assert_eq!(made.code, 0, "{}", made.err);
+    fs::read_to_string(folder.path().join("contract.yaml")).unwrap()
+}
+
+#[test]
+fn a_held_joint_is_no_fixed_part() {
+    let robot = |kind: &str| {
+        format!(
+            "<robot name='r'><link name='base_link'/><link name='mast'/><joint name='j' type='{kind}'><parent link='base_link'/>\
+             <child link='mast'/><origin xyz='0.4 0 0.5'/><axis xyz='0 0 1'/></joint></robot>"
+        )
+    };
+    let (fixed, turning) = (robot("fixed"), robot("continuous"));
+    for (urdf, has_joint_states, is_fixed) in [
+        (None, false, true),
+        (None, true, false),
+        (Some(fixed.as_str()), true, true),
+        (Some(turning.as_str()), false, false),
+    ] {
+        let text = terms_of_an_arm(urdf, has_joint_states);
+        assert_eq!(
+            text.contains("child: mast"),
+            is_fixed,
+            "{urdf:?} {has_joint_states}: {text}"
+        );
+    }
 }

@@ -85,7 +85,7 @@
 //!   `ned_world`, `conjugate`, `wxyz`, `compass_yaw`, `zero_north`, `y_forward`, `backward`, `inverted` and `yaw_90` (a
 //!   mount that TF does not know), `euler_xyz`, `left_handed`
 //! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `cm_s2`, `gravity_sign`,
-//!   `gravity_removed`
+//!   `gravity_removed`, `no_orientation`
 //! - pose, odometry: `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
 //!   origin's easting and northing), `utm`, `ecef`, `lat_lon_degrees`, `altitude_as_z`
 //! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_swapped`, `twist_yaw_negated`,

@@ -65,7 +65,7 @@ impl Yaw {
     /// The numbers of a finding or a pass.
     pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 2] {
         [
-            Measured::new("yaw that the mounting lacks", self.off_deg, "deg")
+            Measured::new("yaw missing in the mounting", self.off_deg, "deg")
                 .turn()
                 .limit(limits.pass_deg)
                 .spread(self.error_deg)

@@ -1,5 +1,6 @@
 //! Clouds of one topic.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
@@ -11,6 +12,11 @@ use super::super::thin::SampleBudget;
 use super::slices::Slices;
 use super::times::time_of;
 
+/// Fields with the ring of a point.
+const RINGS: [&str; 5] = ["ring", "line", "channel", "laser_id", "laser"];
+/// No lidar has more rings; clouds with more rows are those of a depth camera.
+const MAX_RINGS: usize = 256;
+
 /// A cloud that is kept.
 struct KeptCloud {
     point: Point,
@@ -20,6 +26,7 @@ struct KeptCloud {
 /// What is kept of a cloud, without its place.
 struct CloudContent {
     size: [u32; 2],
+    rings: Option<u32>,
     returns: u64,
     looked_at: u64,
     points: Vec<CloudPoint>,
@@ -134,6 +141,7 @@ impl Clouds {
             let at: MessageRef = kept.point.on(on);
             let CloudContent {
                 size,
+                rings,
                 returns,
                 looked_at,
                 points,
@@ -143,6 +151,7 @@ impl Clouds {
             CloudSample {
                 at,
                 size,
+                rings,
                 returns,
                 looked_at,
                 points,
@@ -199,6 +208,8 @@ fn prime(from: u32) -> u32 {
 fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<CloudContent> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields);
+    let ring = RINGS.iter().find_map(|name| cloud.column(name));
+    let mut rings = BTreeSet::new();
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);
@@ -218,6 +229,10 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
             farthest = xyz.iter().fold(farthest, |most, value| most.max(value.abs()));
             let time = time.and_then(|(_, column)| column.of(bytes)).unwrap_or(f64::NAN);
             times.push(time);
+            let ring = ring.and_then(|column| column.of(bytes)).filter(|ring| ring.is_finite());
+            if rings.len() < MAX_RINGS {
+                rings.extend(ring.map(f64::to_bits));
+            }
             points.push(CloudPoint {
                 xyz,
                 cell: [row, column],
@@ -238,6 +253,11 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
     });
     Some(CloudContent {
         size: [cloud.height, cloud.width],
+        rings: if (2..=MAX_RINGS).contains(&(cloud.height as usize)) && cloud.width > 1 {
+            Some(cloud.height)
+        } else {
+            u32::try_from(rings.len()).ok().filter(|rings| *rings > 0)
+        },
         returns: points.len() as u64,
         looked_at,
         points,

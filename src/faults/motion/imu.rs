@@ -193,8 +193,12 @@ impl ImuNeed {
     }
 }
 
-/// Whether the messages state an orientation: one that is always the same is none.
+/// Whether the messages state an orientation: one that is always the same, or declared as not measured, is none.
 fn has_orientation(content: &ContentEvidence) -> bool {
+    let covariance = content.covariances.get("orientation_covariance");
+    if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
+        return false;
+    }
     let mut rows = content.motion.inertial.iter().flat_map(Series::rows);
     let first = rows.next().map(|row| row.orientation.map(f64::to_bits));
     rows.any(|row| Some(row.orientation.map(f64::to_bits)) != first)

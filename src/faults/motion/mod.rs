@@ -5,6 +5,7 @@
 
 mod covariances;
 mod fixes;
+mod hidden;
 mod imu;
 mod origins;
 mod pace;
@@ -16,6 +17,7 @@ mod table;
 mod turns;
 
 pub use covariances::change_covariances;
+pub use hidden::{HiddenDirection, Rotations};
 pub use imu::{GRAVITY, ImuMessage, change_imu};
 pub use pace::pace;
 pub use poses::{PoseMessage, change_poses};

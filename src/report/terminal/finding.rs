@@ -15,6 +15,8 @@ use super::snippet::{Mark, Painter};
 const MAX_PLACES: usize = 12;
 /// More edits of one fix are only counted.
 const MAX_EDITS: usize = 3;
+/// Characters of a text that an edit shows.
+const LONGEST: usize = 77;
 
 /// A finding in full.
 pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
@@ -144,7 +146,7 @@ pub(in crate::report) fn message_words(message: &MessageRef) -> String {
     format!("{} message {}, {when}{field}", message.topic, message.index)
 }
 
-/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, n=12`; what had to be reached and is: `distance = 51 m, enough (5 m is needed)`.
+/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, 12 samples`; what had to be reached and is: `distance = 51 m, enough (5 m is needed)`.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let spelled = NumberText::new(measured);
     let mut words = format!("{} = {}", measured.what, spelled.value);
@@ -160,8 +162,8 @@ pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     if let Some(spread) = spelled.spread {
         let _ = write!(words, ", spread {spread}");
     }
-    if let Some(n) = measured.n {
-        let _ = write!(words, ", n={n}");
+    if let Some(n) = measured.n.filter(|n| *n > 1) {
+        let _ = write!(words, ", {n} samples");
     }
     words
 }
@@ -240,12 +242,13 @@ fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {
         ),
     );
     for edit in fix.edits.iter().take(MAX_EDITS) {
-        let replacement = match one_line(&edit.replacement) {
-            text if text.is_empty() => "remove".to_owned(),
-            text if text.chars().count() > 80 => format!("write `{}...`", text.chars().take(77).collect::<String>()),
-            text => format!("write `{text}`"),
+        let written = locator.text(&edit.place).unwrap_or_default();
+        let change = match [written, &edit.replacement].map(in_backticks) {
+            [old, None] => format!("remove {}", old.unwrap_or_default()),
+            [None, Some(new)] => format!("write {new}"),
+            [Some(old), Some(new)] => format!("write {new} instead of {old}"),
         };
-        let line = format!("{}: {replacement}", one_line(&locator.short(&edit.place)));
+        let line = format!("{}: {change}", one_line(&locator.short(&edit.place)));
         push(out, &wrap(&line, style.width, "       ", "         "));
     }
     if fix.edits.len() > MAX_EDITS {
@@ -254,6 +257,14 @@ fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {
             &format!("       ... and {}", plural(fix.edits.len() - MAX_EDITS, "more edit")),
         );
     }
+}
+
+/// A text on one line, cut where it is long; `None` if it is empty.
+fn in_backticks(text: &str) -> Option<String> {
+    let line = one_line(text);
+    let short: String = line.chars().take(LONGEST).collect();
+    let more = if short.len() < line.len() { "..." } else { "" };
+    (!line.is_empty()).then(|| format!("`{short}{more}`"))
 }
 
 fn push(out: &mut String, line: &str) {

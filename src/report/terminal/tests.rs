@@ -54,7 +54,7 @@ error[CONV02 quarter-turn] (likely) `lidar` is rotated by 89.954 deg, a quarter 
    ·                      ╰── yaw
  5 │   </joint>
    ╰────
-  measured: distance from 90 deg = 0.04563 deg, limit 0.01 deg, n=1
+  measured: distance from 90 deg = 0.04563 deg, limit 0.01 deg
   help: write ${pi/2} or 1.5707963
 
 `frames-lint explain CONV02` shows how the rule decides, why it matters and how to fix it
@@ -103,7 +103,7 @@ error[CALIB01 sources-differ] two sources differ by 90 deg
    ·   ───┬──
    ·      ╰── 0 deg here
    ╰────
-  measured: rotation difference = 90 deg, limit 1 deg, spread 0.25 deg, n=12
+  measured: rotation difference = 90 deg, limit 1 deg, spread 0.25 deg, 12 samples
             translation difference = 0 m, limit 0.05 m
   relation: rz-90
 

@@ -23,7 +23,7 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
     let is_left = pushed.hand == Some(Hand::Left);
     // Left-handed axes are no yaw.
     let yaw = (!is_left).then(|| {
-        Measured::new("yaw that the mounting lacks", pushed.yaw_deg, "deg")
+        Measured::new("yaw missing in the mounting", pushed.yaw_deg, "deg")
             .turn()
             .limit(limits.max_yaw_deg)
             .spread(pushed.error_deg)
@@ -45,7 +45,7 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
             return out.pass(subject, measured);
         }
         let why = format!(
-            "the mounting lacks a yaw of {:+.0} +- {:.0} deg: not accurate enough to decide; record more changes of speed and turns",
+            "the mounting is missing a yaw of {:+.0} +- {:.0} deg: not accurate enough to decide; record more changes of speed and turns",
             pushed.yaw_deg, pushed.error_deg
         );
         return out.too_little(subject, why);

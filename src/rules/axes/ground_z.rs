@@ -399,7 +399,7 @@ fn judge_tilt(
         .likely()
         .relation("tilted")
         .detail(format!(
-            "The tilt stays throughout the recording: the mounting lacks a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg."
+            "The tilt stays throughout the recording: the mounting is missing a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg."
         ))
         .measured(measured)
         .help(format!(

@@ -1,8 +1,12 @@
 //! AXES02: the units of an inertial sensor.
 
+mod unoriented;
+
 use nalgebra::Vector3;
 
+use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
+use crate::math::turns::{Score, Turns};
 use crate::math::{readings::Reading, regress::bound_that_reaches_one, stats::median};
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
@@ -27,6 +31,8 @@ pub(crate) struct Limits {
     min_turning_s: f64,
     gain_share: f64,
     min_correlation: f64,
+    max_factor: f64,
+    min_tilting: f64,
 }
 
 impl Rule for ImuUnits {
@@ -34,11 +40,10 @@ impl Rule for ImuUnits {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for bag in &Motion::of(world).bags {
-            for imu in &bag.imus {
-                judge_acceleration(imu, limits, out);
-                judge_rate(imu, limits, out);
-            }
+        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        for (imu, sensor) in sensors.each(&motion) {
+            judge_acceleration(imu, limits, out);
+            judge_rate(imu, sensor, limits, out);
         }
     }
 }
@@ -161,45 +166,59 @@ fn world_mean(imu: &Imu) -> Option<Vector3<f64>> {
     Some(imu.inertial.gravity.as_ref()?.mean(Reading::Xyzw)?.mean_m_s2)
 }
 
-fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
-    let subject = format!("angular velocity of {}", imu.stream.subject);
+/// What is wrong with a gyro's unit, and what to do.
+const IN_DEGREES: (&str, &str) = (
+    "the gyro is in deg/s",
+    "multiply the angular velocity by pi/180: sensor_msgs/Imu requires rad/s",
+);
+const TWICE_IN_RADIANS: (&str, &str) = (
+    "the gyro is converted to radians twice",
+    "remove one of the two multiplications by pi/180",
+);
+
+/// How far the orientation rotates compared with the gyro, where both rotate enough; or why that is not known.
+fn by_orientation<'i>(imu: &'i Imu, limits: &Limits) -> Result<(&'i Turns, &'i Score), String> {
     if let Some(why) = imu.no_orientation {
-        return out.not_applicable(subject, why);
+        return Err(why.to_owned());
     }
-    let Some(turns) = &imu.inertial.turns else {
-        return out.too_little(subject, "no gap-free second with both orientation and angular velocity");
-    };
-    let Some(score) = turns
-        .scores
-        .iter()
-        .max_by(|a, b| a.gain_correlation.abs().total_cmp(&b.gain_correlation.abs()))
-    else {
-        return;
+    let best = imu.inertial.turns.as_ref().and_then(|turns| {
+        let scores = turns.scores.iter();
+        let best = scores.max_by(|a, b| a.gain_correlation.abs().total_cmp(&b.gain_correlation.abs()));
+        Some((turns, best?))
+    });
+    let Some((turns, score)) = best else {
+        return Err("no gap-free second with both orientation and angular velocity".to_owned());
     };
     // Rotation by the orientation, which does not depend on the gyro's unit.
     let turned_deg = turned_rad(score.turn_power, turns.active).to_degrees();
     if turned_deg < limits.min_rotation_deg || !score.gain.is_finite() {
-        let why = format!(
+        return Err(format!(
             "the orientation rotates by only {turned_deg:.0} deg while the gyro is recorded, {} deg are needed",
             limits.min_rotation_deg
-        );
-        return out.too_little(subject, why);
+        ));
     }
     if turns.covered_s < limits.min_turning_s {
-        let why = format!(
+        return Err(format!(
             "only {:.1} s of orientation with angular velocity, {} s are needed to separate a scale factor from noise",
             turns.covered_s, limits.min_turning_s
-        );
-        return out.too_little(subject, why);
+        ));
     }
     if score.gain_correlation.abs() < limits.min_correlation {
-        let why = format!(
+        return Err(format!(
             "the orientation does not follow the gyro in any quaternion convention (best correlation {:.2}, as {})",
             score.gain_correlation,
             score.reading.word()
-        );
-        return out.too_little(subject, why);
+        ));
     }
+    Ok((turns, score))
+}
+
+fn judge_rate(imu: &Imu, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
+    let subject = format!("angular velocity of {}", imu.stream.subject);
+    let (turns, score) = match by_orientation(imu, limits) {
+        Ok(found) => found,
+        Err(why) => return unoriented::judge((imu, sensor), subject, &why, limits, out),
+    };
     let gain = score.gain.abs();
     let measured = Measured::new("rotation by the orientation over rotation by the gyro", gain, "1")
         .expected(1.0)
@@ -223,32 +242,22 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         );
         return out.too_little(subject, why);
     }
-    let (what, help) = if near(1f64.to_radians()) {
-        (
-            "the gyro is in deg/s",
-            "multiply the angular velocity by pi/180: sensor_msgs/Imu requires rad/s",
+    let message = |what: &str| {
+        format!(
+            "`{}`: {what} (the orientation rotates {gain:.4} times as far)",
+            imu.stream.topic
         )
+    };
+    let place = imu.stream.place();
+    let finding = if near(1f64.to_radians()) {
+        Finding::error(subject, message(IN_DEGREES.0), place).help(IN_DEGREES.1)
     } else if near(1f64.to_degrees()) {
-        (
-            "the gyro is converted to radians twice",
-            "remove one of the two multiplications by pi/180",
-        )
+        Finding::error(subject, message(TWICE_IN_RADIANS.0), place).help(TWICE_IN_RADIANS.1)
     } else {
-        (
-            "the gyro's scale factor is wrong",
-            "compare the gyro's scale factor with its data sheet",
-        )
+        Finding::warning(subject, message("the gyro's scale factor is wrong"), place)
+            .help("compare the gyro's scale factor with its data sheet")
     };
-    let message = format!(
-        "`{}`: {what} (the orientation rotates {gain:.4} times as far)",
-        imu.stream.topic
-    );
-    let mut finding = if near(1f64.to_radians()) || near(1f64.to_degrees()) {
-        Finding::error(subject, message, imu.stream.place())
-    } else {
-        Finding::warning(subject, message, imu.stream.place())
-    };
-    finding = finding.likely().help(help).measured(measured);
+    let mut finding = finding.likely().measured(measured);
     if score.reading != Reading::Xyzw {
         finding = finding.related(
             imu.stream.place(),

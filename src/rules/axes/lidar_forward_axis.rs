@@ -35,7 +35,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     let off_deg = yaw.off_deg.abs();
     if off_deg <= limits.pass_deg + 2.0 * yaw.error_deg {
         let why = format!(
-            "the mounting lacks a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
+            "the mounting is missing a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
             yaw.error_deg, limits.pass_deg
         );
         return out.too_little(subject, why);
@@ -56,7 +56,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         error_rad,
     );
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {:+.1} deg, by the scans on `{}`",
+        "`{}_from_{}` is missing a yaw of {:+.1} deg, by the scans on `{}`",
         known.body, known.lidar, yaw.off_deg, clouds.topic.topic
     );
     let detail = format!(

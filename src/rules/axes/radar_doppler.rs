@@ -307,7 +307,7 @@ fn judge_seen(
             return Ok(());
         }
         let why = format!(
-            "the mounting lacks a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
+            "the mounting is missing a yaw of {off_deg:.1} +- {:.1} deg, {} deg are allowed",
             seen.error_rad.to_degrees(),
             limits.pass_deg
         );
@@ -334,7 +334,7 @@ fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure
         (
             "doppler-sign-or-half-turn",
             format!(
-                "{name} has the wrong sign, or `{}_from_{}` lacks a yaw of 180 deg",
+                "{name}: wrong sign, or `{}_from_{}` is missing a yaw of 180 deg",
                 way.body, way.radar
             ),
             format!(
@@ -355,7 +355,7 @@ fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure
         .measured(measured(seen, seen.off_rad, limits))
 }
 
-/// The mounting lacks a yaw.
+/// The mounting is missing a yaw.
 fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: f64, limits: &Limits) -> Finding {
     let off_deg = off_rad.to_degrees();
     // The direction by the rates is rotated as the stated mounting is against the true one.

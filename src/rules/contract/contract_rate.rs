@@ -3,6 +3,8 @@
 use crate::advice::contract::{MEANT, Term, terms};
 use crate::analysis::contract::Recorded;
 use crate::rules::prelude::*;
+use crate::world::BagEvidence;
+use crate::world::bag::TopicEvidence;
 
 pub(crate) struct ContractRate;
 
@@ -55,8 +57,14 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     let name = term.name;
     let message =
         format!("`{name}` has {rate_hz:.2} Hz instead of {wanted_hz} Hz: {percent:+.0} %, tolerance {tolerance} %");
-    let help = if percent < 0.0 {
-        "find out what slows, drops or stops its messages"
+    let stopped = stopped(bag, topic).filter(|_| percent < 0.0);
+    let message = stopped.as_ref().map_or(message, |stopped| {
+        format!("`{name}` {stopped}; it should go on with {wanted_hz} Hz")
+    });
+    let help = if stopped.is_some() {
+        "find out what stopped its messages"
+    } else if percent < 0.0 {
+        "find out what slows down or drops its messages"
     } else {
         "find out whether it is published twice, or set up with another rate"
     };
@@ -70,4 +78,15 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
         .measured(measured)
         .related(Place::of(bag.source, topic.stamps.first.as_ref()), "first message");
     out.fail(finding);
+}
+
+/// Share of a recording at its end without a message from which on a topic stopped.
+const STOPPED: f64 = 0.1;
+
+/// That a topic stopped before the recording ends, in words.
+fn stopped(bag: &BagEvidence, topic: &TopicEvidence) -> Option<String> {
+    let (start, end) = bag.share.span_ns.or(bag.start_ns.zip(bag.end_ns))?;
+    let seconds = |to: i64| to.saturating_sub(start) as f64 / 1e9;
+    let (last_s, end_s) = (seconds(topic.last_log_ns?), seconds(end));
+    (end_s - last_s > STOPPED * end_s).then(|| format!("stops after {last_s:.1} s of {end_s:.1} s of the recording"))
 }

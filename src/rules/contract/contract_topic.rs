@@ -74,7 +74,10 @@ fn names(topics: &[Recorded]) -> String {
 
 fn missing(world: &Estimates, term: &Term, unknown: &[Recorded]) -> Finding {
     let name = term.name;
-    let message = format!("`{name}` of the contract is not in the recording");
+    let message = match world.bags.as_slice() {
+        [_, _, ..] => format!("`{name}` of the contract is in none of {} recordings", world.bags.len()),
+        _ => format!("`{name}` of the contract is not in the recording"),
+    };
     let is_alike = |(_, topic): &&Recorded| {
         let wanted = term.terms.message_type.as_deref();
         wanted.is_some_and(|wanted| is_same(wanted, &topic.message_type))

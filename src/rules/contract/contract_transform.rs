@@ -138,7 +138,9 @@ fn absent(world: &World, subject: String, message: String, terms: &[Term]) -> Fi
         .unwrap_or_else(|| Place::whole(SourceId(0)));
     let finding = Finding::error(subject, message, place)
         .label("not recorded")
-        .help(format!("publish it on `/tf_static`, and record that; {MEANT}"))
+        .help(format!(
+            "publish it, on `/tf_static` if it does not change, and record that; {MEANT}"
+        ))
         .measured(Measured::count("transforms of the contract that are missing", terms.len()).limit(0.0));
     let is_moved = |(_, edge): &(SourceId, &TfEdge)| {
         let is_child = |term: &Term| term.0.1 == edge.child.canonical();

@@ -141,7 +141,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         limit,
         sure,
     };
-    let of_yaw = Measured::new("yaw that the mounting lacks", yaw_deg, "deg").turn();
+    let of_yaw = Measured::new("yaw missing in the mounting", yaw_deg, "deg").turn();
     let yaw = error(YAW, of_yaw, [sigma_deg, limits.max_yaw_deg, limits.sure_yaw_deg]);
     let of_place = Measured::new("position error of the mounting", off.norm(), "m");
     let place = error(PLACE, of_place, [sigma_m, limits.max_place_m, limits.sure_place_m]);
@@ -156,7 +156,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
             (
                 yaw.subject,
                 vec![yaw.measured],
-                format!("lacks a yaw of {yaw_deg:+.1} deg"),
+                format!("is missing a yaw of {yaw_deg:+.1} deg"),
             )
         }
         (false, true) => {
@@ -169,7 +169,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         }
         (true, true) => {
             out.not_applicable(yaw.subject, "reported with the position of the mounting");
-            let what = format!("lacks a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm());
+            let what = format!("is missing a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm());
             (place.subject, vec![yaw.measured, place.measured], what)
         }
     };

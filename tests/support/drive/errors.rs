@@ -55,6 +55,8 @@ pub enum Error {
     /// Turn rates with the other sign.
     #[serde(alias = "negated")]
     GyroNegated,
+    /// No orientation: the identity, and -1 as its first covariance.
+    NoOrientation,
     /// Turn rates that are not filled in.
     GyroMissing,
     /// Accelerations in units of gravity.

@@ -149,6 +149,10 @@ impl ImuRow {
             Error::Frd => self.turn_vectors(&frd_from_flu()),
             Error::DegS => self.gyro = self.gyro.map(f64::to_degrees),
             Error::GyroNegated => self.gyro = self.gyro.map(|rate| -rate),
+            Error::NoOrientation => {
+                self.orientation = [0.0, 0.0, 0.0, 1.0];
+                self.orientation_covariance[0] = -1.0;
+            }
             Error::GyroMissing => self.gyro = [0.0; 3],
             Error::CmS2 => self.acceleration = self.acceleration.map(|force| force * 100.0),
             Error::G => self.acceleration = self.acceleration.map(|force| force / 9.806_65),

@@ -1,0 +1,129 @@
+//! How far the direction of gravity moves in the axes of a body, compared with the rotation by its gyro: the unit of a gyro without any
+//! orientation.
+//!
+//! The direction g of gravity, a unit vector in the axes of the body, changes by `dg/dt = g x w`. Over a short window the change is
+//! regressed on `g x theta`, theta being the integral of the gyro. The slope is 1 for rad/s and pi/180 for deg/s. Rotations about the
+//! vertical do not count. Must not know which message held the rows.
+
+use nalgebra::Vector3;
+
+/// One window of rows of a gyro, rad/s by definition, and an accelerometer, any unit, in the same axes: `(seconds, gyro, force)`.
+pub type TiltRow = (f64, Vector3<f64>, Vector3<f64>);
+
+/// Share of a window at each of its ends over which the force is averaged.
+const END: f64 = 0.2;
+/// How far a force may be from its median magnitude, as a share: what is farther is no gravity.
+const STEADY: f64 = 0.15;
+
+/// The rotation of gravity compared with that of the gyro.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilting {
+    /// Rotation of gravity over rotation by the gyro.
+    pub gain: f64,
+    /// Correlation of the two, by the components of all windows.
+    pub correlation: f64,
+    /// Windows that count.
+    pub windows: usize,
+    /// Root of the sum of squared rotations of gravity, radians: those that the gyro does not explain, too.
+    pub turned_rad: f64,
+}
+
+impl Tilting {
+    /// Of windows that last about half a second; `None` without any whose force is that of gravity.
+    pub fn of(windows: &[Vec<TiltRow>], median_force: f64) -> Option<Self> {
+        let (mut xx, mut xy, mut yy, mut count) = (0.0, 0.0, 0.0, 0);
+        for (by_gravity, by_gyro) in windows.iter().filter_map(|window| change(window, median_force)) {
+            xx += by_gyro.norm_squared();
+            xy += by_gyro.dot(&by_gravity);
+            yy += by_gravity.norm_squared();
+            count += 1;
+        }
+        let found = Self {
+            gain: xy / xx,
+            correlation: xy / (xx * yy).sqrt(),
+            windows: count,
+            turned_rad: yy.sqrt(),
+        };
+        (found.gain.is_finite() && found.correlation.is_finite()).then_some(found)
+    }
+
+    /// Student's t of the correlation: two numbers of each window are free.
+    pub fn t(&self) -> f64 {
+        let rest = (1.0 - self.correlation * self.correlation).max(1e-12);
+        self.correlation * ((2.0 * self.windows as f64 - 1.0).max(0.0) / rest).sqrt()
+    }
+}
+
+/// The change of gravity's direction in a window, and that which the gyro predicts.
+fn change(window: &[TiltRow], median_force: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let (first, last) = (window.first()?, window.last()?);
+    let length_s = last.0 - first.0;
+    let mean = |rows: Vec<&TiltRow>| {
+        let count = rows.len() as f64;
+        let t_s = rows.iter().map(|row| row.0).sum::<f64>() / count;
+        let force = rows.iter().map(|row| row.2).sum::<Vector3<f64>>() / count;
+        let is_gravity = (force.norm() / median_force - 1.0).abs() <= STEADY;
+        is_gravity.then(|| (t_s, force.normalize()))
+    };
+    let (from_s, from) = mean(window.iter().filter(|row| row.0 <= first.0 + END * length_s).collect())?;
+    let (to_s, to) = mean(window.iter().filter(|row| row.0 >= last.0 - END * length_s).collect())?;
+    let rate = window.iter().map(|row| row.1).sum::<Vector3<f64>>() / window.len() as f64;
+    Some((to - from, ((from + to) / 2.0).cross(&(rate * (to_s - from_s)))))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
+    use crate::math::tests_support::Rng;
+
+    /// Windows of half a second at 100 Hz of a body that rotates at a rate of its own in each; the gyro in a unit, the force with noise.
+    fn windows(
+        rng: &mut Rng,
+        per_rad_s: f64,
+        noise_m_s2: f64,
+        rate: impl Fn(&mut Rng) -> Vector3<f64>,
+    ) -> Vec<Vec<TiltRow>> {
+        let mut world_from_body = UnitQuaternion::identity();
+        let mut of_one = |rng: &mut Rng| {
+            let rate = rate(rng);
+            let row = |k: u32| {
+                world_from_body *= UnitQuaternion::from_scaled_axis(rate * 0.01);
+                let force = world_from_body.inverse() * (Vector3::z() * 9.81) + rng.normal3() * noise_m_s2;
+                (f64::from(k) * 0.01, rate * per_rad_s, force)
+            };
+            (0..51).map(row).collect()
+        };
+        (0..60).map(|_| of_one(rng)).collect()
+    }
+
+    #[test]
+    fn the_slope_is_the_unit_of_the_gyro() {
+        let mut rng = Rng::new(5);
+        for per_rad_s in [1.0, 1f64.to_degrees(), 1f64.to_radians()] {
+            for noise in [0.0, 1.0] {
+                let made = windows(&mut rng, per_rad_s, noise, |rng| rng.in_ball(1.0));
+                let found = Tilting::of(&made, 9.81).unwrap();
+                let gain = found.gain * per_rad_s;
+                // Four standard errors; without noise that of the mean rate.
+                let error = if noise > 0.0 { 4.0 / found.t() } else { 0.02 };
+                assert!((gain - 1.0).abs() < error, "{per_rad_s} {noise}: {found:?}");
+                assert!(found.correlation > 0.9 && found.t() > 10.0, "{noise}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rotation_about_the_vertical_and_noise_show_nothing() {
+        let mut rng = Rng::new(6);
+        let yaw = windows(&mut rng, 1.0, 0.5, |rng| Vector3::z() * rng.range(-1.0, 1.0));
+        assert!(Tilting::of(&yaw, 9.81).unwrap().correlation.abs() < 0.5);
+        let still = windows(&mut rng, 1.0, 0.5, |_| Vector3::zeros());
+        assert_eq!(Tilting::of(&still, 9.81), None, "the gyro reads zero");
+        let falling = windows(&mut rng, 1.0, 0.5, |rng| rng.in_ball(1.0));
+        assert_eq!(Tilting::of(&falling, 1.0), None, "no force is that of gravity");
+        assert_eq!(Tilting::of(&[], 9.81), None);
+    }
+}

@@ -1,0 +1,106 @@
+//! The unit of a gyro that no orientation decides: by the turns of the platform's course, or by how gravity moves in its axes.
+
+use nalgebra::Vector3;
+
+use crate::analysis::axes::sensors::Sensor;
+use crate::analysis::motion::Imu;
+use crate::math::tilting::{TiltRow, Tilting};
+use crate::rules::prelude::*;
+
+use super::{IN_DEGREES, Limits, TWICE_IN_RADIANS};
+
+/// Length of the windows in which gravity moves, and their longest step, seconds.
+const WINDOW_S: f64 = 0.5;
+const MAX_STEP_S: f64 = 0.1;
+
+/// Something that rotates with the gyro.
+struct Witness {
+    /// What rotates: the course of a track, or gravity.
+    words: String,
+    /// Its rotation over that by the gyro: 1 for rad/s, pi/180 for deg/s.
+    gain: f64,
+    correlation: f64,
+    samples: usize,
+    /// Whether forces that are not gravity's cannot be taken for its rotation.
+    is_kinematic: bool,
+}
+
+/// Judges the unit of a gyro; `why` is why no orientation decides.
+pub(super) fn judge((imu, sensor): (&Imu, &Sensor), subject: String, why: &str, limits: &Limits, out: &mut Judge) {
+    let by_course = sensor.sense.as_ref().ok().map(|fit| Witness {
+        words: format!("the course of {}", fit.track),
+        gain: 1.0 / fit.slope.gain.abs(),
+        correlation: fit.slope.correlation,
+        samples: fit.slope.pairs,
+        is_kinematic: true,
+    });
+    let witnesses: Vec<Witness> = by_course.into_iter().chain(by_gravity(imu, limits)).collect();
+    let units = [
+        (1.0, None),
+        (1f64.to_radians(), Some(IN_DEGREES)),
+        (1f64.to_degrees(), Some(TWICE_IN_RADIANS)),
+    ];
+    let unit = |found: &Witness| {
+        let near = |value: f64| (found.gain / value).max(value / found.gain) <= limits.max_factor;
+        let mut possible = units.iter().take(if found.is_kinematic { 3 } else { 2 });
+        possible.find(|(value, _)| near(*value)).map(|(_, wrong)| *wrong)
+    };
+    let decided = witnesses.iter().find_map(|found| Some((found, unit(found)?)));
+    let Some((found, wrong)) = decided else {
+        let why = match witnesses.first() {
+            Some(found) => format!(
+                "{why}; {} rotates {:.3} times as far as the gyro, which neither rad/s nor deg/s explains: they may not rotate together",
+                found.words, found.gain
+            ),
+            None => format!("{why}; neither the course nor gravity rotates enough with the gyro to show its unit"),
+        };
+        return out.too_little(subject, why);
+    };
+    let Witness {
+        words,
+        gain,
+        correlation,
+        samples,
+        ..
+    } = found;
+    let measured = [
+        Measured::new(format!("rotation of {words} over rotation by the gyro"), *gain, "1")
+            .expected(1.0)
+            .samples(*samples as u64),
+        Measured::new("correlation", correlation.abs(), "1"),
+    ];
+    let Some((what, help)) = wrong else {
+        return out.pass(subject, measured);
+    };
+    let message = format!(
+        "`{}`: {what} ({words} rotates {gain:.4} times as far)",
+        imu.stream.topic
+    );
+    let finding = Finding::error(subject, message, imu.stream.place()).likely().help(help);
+    out.fail(finding.measured(measured));
+}
+
+/// How gravity moves in the sensor's axes, if that follows its gyro.
+fn by_gravity(imu: &Imu, limits: &Limits) -> Option<Witness> {
+    let force = imu.inertial.force.filter(|force| *force > 0.0)?;
+    let windows = imu.stream.windows(WINDOW_S, MAX_STEP_S).into_iter().map(|window| {
+        let rows = window.iter().map(|timed| {
+            let [gyro, force] = [timed.row.angular_velocity, timed.row.linear_acceleration].map(Vector3::from);
+            (timed.t_s, gyro, force)
+        });
+        rows.filter(|(_, gyro, force)| gyro.norm().is_finite() && force.norm().is_finite())
+            .collect::<Vec<TiltRow>>()
+    });
+    let found = Tilting::of(&windows.collect::<Vec<_>>(), force)?;
+    let turned_deg = found.turned_rad.to_degrees() * found.correlation.abs();
+    let is_clear = turned_deg >= limits.min_rotation_deg
+        && found.correlation.abs() >= limits.min_tilting
+        && found.t().abs() >= limits.min_t;
+    is_clear.then(|| Witness {
+        words: "gravity in the sensor's axes".to_owned(),
+        gain: found.gain.abs(),
+        correlation: found.correlation,
+        samples: found.windows,
+        is_kinematic: false,
+    })
+}

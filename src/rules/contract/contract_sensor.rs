@@ -1,0 +1,117 @@
+//! CONTRACT05: sensors that give something else than by the contract: another size of images, other rings, rays or fields.
+
+use crate::advice::contract::{MEANT, Term, terms};
+use crate::analysis::contract::Recorded;
+use crate::analysis::contract::sensor::SensorSeen;
+use crate::rules::prelude::*;
+use crate::source::{MessageRef, SourceId};
+
+pub(crate) struct ContractSensor;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    max_ratio: f64,
+}
+
+impl Rule for ContractSensor {
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        for term in terms(world, "sensor of ", |terms| !terms.sensor.is_empty(), out) {
+            if !term.is_absent(out) {
+                for recorded in &term.seen {
+                    judge_one(&term, recorded, limits, out);
+                }
+            }
+        }
+    }
+}
+
+/// What is compared of one sensor.
+#[derive(Default)]
+struct Compared<'w> {
+    measured: Vec<Measured>,
+    /// Differences in words, each with a message that has it.
+    other: Vec<(String, &'w MessageRef)>,
+    /// Keys of the contract that nothing was read of.
+    unknown: Vec<&'static str>,
+}
+
+fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Judge) {
+    let (seen, wanted) = (SensorSeen::of(topic), &term.terms.sensor);
+    let mut found = Compared::default();
+    if let Some([width, height]) = wanted.image {
+        let others = seen.images.iter().filter(|(size, _)| *size != [width, height]);
+        for ([other_width, other_height], at) in others.clone().take(1) {
+            let words = format!("images of {other_width} x {other_height} instead of {width} x {height}");
+            found.other.push((words, at));
+        }
+        found.counted("image", "sizes of images that differ", (&seen.images, others.count()));
+    }
+    let counts = [("rings", wanted.rings, seen.rings), ("rays", wanted.rays, seen.rays)];
+    for (key, wanted, seen) in counts {
+        let Some(wanted) = wanted else { continue };
+        let Some((count, at)) = seen else {
+            found.unknown.push(key);
+            continue;
+        };
+        let ratio = f64::from(count.max(wanted)) / f64::from(count.min(wanted).max(1));
+        if ratio > limits.max_ratio {
+            found.other.push((format!("{count} {key} instead of {wanted}"), at));
+        }
+        let what = format!("{key}, and those of the contract, the more over the less");
+        found
+            .measured
+            .push(Measured::new(what, ratio, "1").limit(limits.max_ratio));
+    }
+    if !wanted.fields.is_empty() {
+        let lacks = |names: &[&str]| {
+            let lacks = wanted.fields.iter().filter(|name| !names.contains(&name.as_str()));
+            lacks.map(|name| format!("`{name}`")).collect::<Vec<_>>()
+        };
+        let mut lacking = seen.fields.iter().map(|(names, at)| (lacks(names), at));
+        let (lacks, at) = lacking.find(|(lacks, _)| !lacks.is_empty()).unzip();
+        let lacks = lacks.unwrap_or_default();
+        if let Some(at) = at {
+            found.other.push((format!("points without {}", lacks.join(", ")), at));
+        }
+        found.counted("fields", "fields that points lack", (&seen.fields, lacks.len()));
+    }
+    report(term, (bag.source, topic.unread.as_deref()), found, out);
+}
+
+impl Compared<'_> {
+    fn counted<T>(&mut self, key: &'static str, what: &str, (seen, count): (&[T], usize)) {
+        if seen.is_empty() {
+            self.unknown.push(key);
+        } else {
+            self.measured.push(Measured::count(what, count).limit(0.0));
+        }
+    }
+}
+
+fn report(term: &Term, (source, unread): (SourceId, Option<&str>), found: Compared, out: &mut Judge) {
+    let subject = term.subject.as_str();
+    let Some((_, at)) = found.other.first() else {
+        if found.unknown.is_empty() {
+            return out.pass(subject, found.measured);
+        }
+        let why = unread.unwrap_or("no message that has it was read");
+        return out.too_little(
+            subject,
+            format!("not known: its {}: {why}", found.unknown.join(" and ")),
+        );
+    };
+    let words: Vec<&str> = found.other.iter().map(|(words, _)| words.as_str()).collect();
+    let message = format!("`{}` has {}", term.name, words.join(", "));
+    let finding = Finding::error(subject, message, term.terms.place.clone())
+        .label("sensor by the contract")
+        .help(format!(
+            "find out whether the sensor was replaced, or set up in another way; {MEANT}"
+        ))
+        .measured(found.measured)
+        .related(Place::message(source, (*at).clone()), "first message with it");
+    out.fail(finding);
+}
