@@ -97,7 +97,7 @@ impl Fault {
                 "tf2 removes the slash when it stores a transform, but rejects the name in a look-up."
             }
             Self::Slashes => "tf2 removes one leading slash and compares the rest byte by byte.",
-            _ => "tf2 compares names byte by byte: this is a different frame from the one with the clean name.",
+            _ => "tf2 compares names byte by byte: this is another frame than the one that is spelled without it.",
         }
     }
 }

@@ -19,6 +19,8 @@ const STEP: f64 = 2.0;
 const RESOLUTION: f64 = 1.02;
 /// Without a part a size counts as the same within this factor.
 const SAME: f64 = 1.03;
+/// A size whose lower end is below this share of it, about zero, is none: it says nothing about another drive.
+const UNSTEADY: f64 = 0.05;
 /// The quantile of a normal distribution at the power of 80 %.
 const Z_80: f64 = 0.8416;
 /// The quantile at 95 %.
@@ -51,6 +53,8 @@ pub struct FoundSize {
     pub range: Option<[f64; 2]>,
     /// Found with a probability of 80 %, if it is positive and if it is negative.
     pub by_sign: [f64; 2],
+    /// The rules that find it with these signs.
+    pub rules_by_sign: [String; 2],
     /// By the limit of the rule and what it measured, where it compares a value of this unit: limit, value, and 0.84 of its spread.
     pub by_limit: Option<f64>,
     /// What it means for a point at 50 m, metres.
@@ -84,9 +88,11 @@ pub(super) fn smallest(
         let both = of_sign(1.0).and_then(|positive| Ok([positive, of_sign(-1.0)?]));
         let mut found = both.map(|both| {
             let by_sign = both.each_ref().map(|found| found.size);
+            let rules_by_sign = both.each_ref().map(|found| found.rule.clone());
             let larger = larger(both);
             FoundSize {
                 by_sign,
+                rules_by_sign,
                 at_50_m: fault.at_50_m(larger.size, pace),
                 ..larger
             }
@@ -158,14 +164,31 @@ impl Search<'_> {
             all if without.len() + 1 >= all => Some(deviation(whole, &without)),
             _ => None,
         };
+        let range = deviation.map(|deviation| [(whole - Z_95 * deviation).max(0.0), whole + Z_95 * deviation]);
+        if let Some([low, high]) = range.filter(|[low, _]| *low < UNSTEADY * whole) {
+            return Err(self.unsteady([whole, low, high], &by.0));
+        }
         Ok(FoundSize {
             size: whole + Z_80 * deviation.unwrap_or_default(),
-            range: deviation.map(|deviation| [(whole - Z_95 * deviation).max(0.0), whole + Z_95 * deviation]),
+            range,
             by_limit: self.by_limit(&by),
             at_50_m: None,
             by_sign: [whole; 2],
+            rules_by_sign: Default::default(),
             rule: by.0,
         })
+    }
+
+    /// Why a size is none: it depends on single parts of the drive.
+    fn unsteady(&self, sizes: [f64; 3], rule: &str) -> Miss {
+        let unit = self.fault.unit;
+        let [whole, low, high] = sizes.map(|size| format!("{size:.2}"));
+        Miss {
+            reason: format!(
+                "not the same in all parts of these data: {rule} finds it from {whole} {unit} on here, and on another drive of the kind from {low} to {high} {unit} on"
+            ),
+            record: format!("more of what {rule} measures: {}", self.fault.record),
+        }
     }
 
     /// Whether no row depends on it.

@@ -91,12 +91,18 @@ pub(super) fn other_sign(error: &SmallestError, found: &FoundSize) -> String {
     if positive.min(negative) * OTHER > positive.max(negative) {
         return String::new();
     }
-    let (sign, size) = if positive < negative {
-        ('+', positive)
+    let [by_positive, by_negative] = &found.rules_by_sign;
+    let (sign, size, rule) = if positive < negative {
+        ('+', positive, by_positive)
     } else {
-        ('-', negative)
+        ('-', negative, by_negative)
     };
-    format!("{sign}{} {}", number(size, DIGITS), error.fault.unit)
+    let by = if *rule == found.rule {
+        String::new()
+    } else {
+        format!(", by {rule}")
+    };
+    format!("{sign}{} {} is enough{by}", number(size, DIGITS), error.fault.unit)
 }
 
 /// Where a size lies, with a probability of 90 %.
@@ -134,7 +140,7 @@ pub(super) fn section(smallest: &[SmallestError], style: Style, out: &mut String
             }
             let other = other_sign(error, found);
             if !other.is_empty() {
-                let _ = write!(text, " ({other} is enough)");
+                let _ = write!(text, " ({other})");
             }
             let at_50_m = at_50_m(found);
             if !at_50_m.is_empty() && error.fault.unit != "m" {

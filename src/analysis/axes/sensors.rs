@@ -151,6 +151,11 @@ fn sensors(
         let mount = imu.mount.as_ref().map(|mount| &mount.base);
         let on = bases.iter().find(|base| Some(&base.frame) == mount);
         let on = on.and_then(|base| base.seen.as_ref().ok());
+        // Of what moves sideways, too, the course says nothing about the direction of x.
+        if on.is_some_and(|on| on.forward.is_none()) {
+            let why = "the platform moves in several directions of its base: its course is not that of its x axis";
+            sensor.push = Err((NotEvaluated::TooLittleEvidence, why.to_owned()));
+        }
         let seen = sensor.symptoms();
         sensor.diagnosis = Diagnosis::of(seen, &imu.stream.expressed_in, imu.driver.clone());
         sensor.unseen = diagnosis::unseen(seen);

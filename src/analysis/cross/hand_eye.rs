@@ -78,8 +78,13 @@ fn fitted(known: &HandEye, limits: &Limits) -> Result<PlanarMount, (NotEvaluated
         (NotEvaluated::TooLittleEvidence, why)
     })?;
     // The spread of the groups does not show an error that all matches share.
-    let [yaw, ..] = &mut found.sigma;
+    let [yaw, x, y] = &mut found.sigma;
     *yaw = yaw.hypot(limits.systematic_m.atan2(found.way_m));
+    // Only turns determine the position: one that is as small as the error of a match over its angle is as wrong.
+    let turns = flat.iter().map(|(body, _)| body.rotation.angle().abs());
+    let (sum, squares) = turns.fold((0.0, 0.0), |(sum, squares), turn| (sum + turn, squares + turn * turn));
+    let shared_m = limits.systematic_m * sum / squares.max(f64::EPSILON) / std::f64::consts::SQRT_2;
+    (*x, *y) = (x.hypot(shared_m), y.hypot(shared_m));
     found.scale_sigma = found
         .scale_sigma
         .hypot(limits.systematic_m / found.way_m.max(limits.systematic_m));

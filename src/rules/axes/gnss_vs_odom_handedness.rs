@@ -138,13 +138,16 @@ fn judge_votes(
     }
     let (from, to) = votes.span_s();
     let message = format!(
-        "`{}`: track is the mirror image of the GNSS track on `{}` (fits to {rms_mirrored:.2} m when mirrored)",
-        poses.topic, fixes.topic
+        "{}: track is the mirror image of the GNSS track on `{}`",
+        poses.subject, fixes.topic
     );
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation("mirrored")
-        .detail(format!("Compared from {from:.0} to {to:.0} s."))
+        .detail(format!(
+            "Compared from {from:.0} to {to:.0} s. A track that is not mirrored leaves at most {} times the residual of the mirrored one.",
+            limits.min_ratio
+        ))
         .related(fixes.place(), "GNSS track")
         .help(
             "find out which of the two tracks is wrong: odometry in NED becomes ENU as (y, x, -z); a mirrored odometry needs y negated; \

@@ -19,7 +19,6 @@ pub(crate) struct Limits {
     likely_off_m: f64,
     class_off_m: f64,
     min_height_m: f64,
-    max_lean_deg: f64,
     max_tilt_deg: f64,
     min_way_m: f64,
     min_lasts_s: f64,
@@ -168,11 +167,13 @@ fn judge_over(
     };
     let axis = SIDES.get(side).map_or(Vector3::z(), |(axis, _)| Vector3::from(*axis));
     let lean_deg = (over.mount.rotation * axis).angle(&Vector3::z()).to_degrees();
-    if lean_deg > limits.max_lean_deg {
+    // AXES10 reports it.
+    if lean_deg > up.max_off_deg {
         let why = format!(
-            "the ground is {lean_deg:.0} deg away from below `{}`: the axes are rotated, so no height is judged",
+            "the ground is {lean_deg:.0} deg away from below `{}`: the axes are rotated, so neither height nor tilt is judged",
             over.base
         );
+        out.not_applicable(clouds.subject("level of the ground"), why.clone());
         return out.not_applicable(subject, why);
     }
     let grounds: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();

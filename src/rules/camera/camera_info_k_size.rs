@@ -20,6 +20,11 @@ pub(crate) struct Limits {
     same_ratio: f64,
 }
 
+/// What to do where K is for a smaller image, and where it is for a larger one.
+const SCALE_UP: &str = "multiply fx, fy, cx and cy, with the calibration's width and height, by the factor of the image: K is for a smaller one";
+const SCALE_DOWN: &str = "divide fx, fy, cx and cy, with the calibration's width and height, by the factor of the image, or state it as binning_x and \
+                          binning_y: K is for a larger one";
+
 impl Rule for CameraInfoKSize {
     const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
@@ -115,7 +120,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
             (
                 words,
                 "not-rescaled",
-                "scale fx, fy, cx and cy with the image, or set binning",
+                if x < 1.0 { SCALE_UP } else { SCALE_DOWN },
                 // No lens looks past its image.
                 if x.max(y) > 2.0 {
                     Severity::Error
@@ -230,7 +235,7 @@ fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits:
         (
             format!("The images were scaled by {x:.3}, and the calibration was not."),
             "not-rescaled",
-            "scale fx, fy, cx, cy, width and height with the image, or set binning",
+            if x > 1.0 { SCALE_UP } else { SCALE_DOWN },
         )
     } else if (image_width - height).abs() < 1.0 && (image_height - width).abs() < 1.0 {
         (

@@ -113,19 +113,25 @@ fn judge_pair(
 }
 
 fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
-    let spread = |what: &str, constant: &Constant| {
-        Measured::new(what, constant.spread_rad.to_degrees(), "deg")
-            .limit(limits.max_spread_deg)
-            .samples(pairs as u64)
+    // The limit is that of the reading that fits better.
+    let spread = |what: &str, constant: &Constant, other: &Constant| {
+        let measured = Measured::new(what, constant.spread_rad.to_degrees(), "deg").samples(pairs as u64);
+        if constant.spread_rad <= other.spread_rad {
+            measured.limit(limits.max_spread_deg)
+        } else {
+            measured
+        }
     };
     [
         spread(
             "scatter of the difference, taken as a rotation of the world",
             &found.left,
+            &found.right,
         ),
         spread(
             "scatter of the difference, taken as a rotation of the body",
             &found.right,
+            &found.left,
         ),
         Measured::new(
             "rotation of the platform in the recording",
@@ -174,7 +180,7 @@ fn contradiction(
         (
             "body",
             format!(
-                "By the transforms only the worlds may differ: {tied}. One of the two has other body axes, or its world was changed by multiplying on the wrong side; which of the two is wrong cannot be seen."
+                "The mounting by the transforms is taken into account ({tied}), so only the worlds could differ; the difference is steadier as a rotation of the body. One of the two has other body axes, or its world was changed by multiplying on the wrong side; which of the two is wrong cannot be seen."
             ),
             "if a sensor is mounted with that rotation, add it to the sensor's transform; if one of the two is of another body (such as FRD), \
              give it its own `child_frame_id` and a transform; if its poses were moved to another world, multiply from the left: \
@@ -184,7 +190,7 @@ fn contradiction(
         (
             "world",
             format!(
-                "By the frames only the bodies may differ: both are expressed in `{}`. One of the two has another world, or its body was changed by \
+                "Both are expressed in `{}`, so only the bodies could differ; the difference is steadier as a rotation of the world. One of the two has another world, or its body was changed by \
                  multiplying on the wrong side; which of the two is wrong cannot be seen.",
                 name(&a.world)
             ),

@@ -58,7 +58,7 @@ fn judge_turned(
         _ => "orientation and gyro rotate in opposite directions".to_owned(),
     };
     let message = format!(
-        "`{}`: {what} (residual {:.0} %)",
+        "`{}`: {what} (residual as published {:.0} %)",
         imu.stream.topic,
         100.0 * turned.as_published.residual
     );

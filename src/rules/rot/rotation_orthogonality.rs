@@ -85,7 +85,9 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let help = match scale {
         _ if is_singular => "correct the missing or misplaced entry",
         Some(_) => "divide the rotation by the scale factor: an extrinsic is a rigid transform",
-        None => "print at least six decimals where the matrix is written, or correct the wrong entry",
+        None => {
+            "export the matrix again from its source, or correct the wrong entry: the digits that are printed do not explain the error"
+        }
     };
     let mut finding = Finding::new(severity, parts.subject(world), message, parts.claim.place.clone())
         .label("not orthonormal")
@@ -103,7 +105,14 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     // The scale may be intended.
     let safety = scale.map_or(Safety::Safe, |_| Safety::ChangesBehaviour);
     let moved_deg = nearest.angle_moved_rad.to_degrees();
-    finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
+    finding = finding.measured(
+        Measured::new(
+            "angle to the nearest rotation, which the fix may write",
+            moved_deg,
+            "deg",
+        )
+        .limit(limits.fix_deg),
+    );
     match parts.replace_rotation(world, nearest.rotation.matrix()) {
         Some(edits) if moved_deg <= limits.fix_deg => finding.fix("replace it by the nearest rotation", safety, edits),
         _ => finding,

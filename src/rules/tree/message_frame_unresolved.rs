@@ -152,15 +152,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[BagFrameUse], context
         .index
         .get_or_init(|| Names::new(context.tree))
         .nearest(frame, Reach::SUGGESTION);
-    let help = match &near {
-        Some(near) => format!(
-            "use `{}` if that is meant; otherwise publish the transform that mounts `{frame}`",
-            near.frame
-        ),
-        None => {
-            format!("publish the transform that mounts `{frame}`, or set the driver's frame_id to a frame of the tree")
-        }
-    };
+    let help = how_to_tie(frame, near.as_ref().map(|near| near.frame.to_string()));
     let is_soft = names::is_world(frame) || main.kind == HeaderUse::Possible;
     let finding = if is_soft {
         Finding::warning(subject, message, place).likely()
@@ -198,4 +190,17 @@ fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &
         .help("name the vehicle's base frame `base_link` (REP-105), so that tools find it")
         .measured(Measured::count("base frames", 0).at_least(1.0));
     out.fail(finding);
+}
+
+/// What to do about a frame that is in no tree; `near` is one of a similar name.
+fn how_to_tie(frame: &FrameId, near: Option<String>) -> String {
+    match near {
+        Some(near) => format!("use `{near}` if that is meant; otherwise publish the transform that mounts `{frame}`"),
+        None if names::is_world(frame) => format!(
+            "publish the transform from `{frame}` to the base (odometry, localization), or set the driver's frame_id to a frame of the tree"
+        ),
+        None => {
+            format!("publish the transform that mounts `{frame}`, or set the driver's frame_id to a frame of the tree")
+        }
+    }
 }

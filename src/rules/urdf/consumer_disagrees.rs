@@ -40,9 +40,15 @@ impl Rule for ConsumerDisagrees {
 /// One parser's refusal is no proof: urdfdom accepts files that it rejects, and vice versa.
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     let message = format!("the parser {CONSUMER} rejects robot `{}`", robot.name.value);
-    let malformed = robot.malformed.iter().map(|list| &list.text.place);
-    let repeated = robot.repeated.iter().flat_map(|item| &item.places);
-    let causes: Vec<&Place> = malformed.chain(repeated).collect();
+    let malformed = robot
+        .malformed
+        .iter()
+        .map(|list| (&list.text.place, list.malformed.clone().unwrap_or_default()));
+    let repeated = robot.repeated.iter().flat_map(|item| {
+        let why = format!("<{}> is written {} times", item.element, item.places.len());
+        item.places.iter().map(move |place| (place, why.clone()))
+    });
+    let causes: Vec<(&Place, String)> = malformed.chain(repeated).collect();
     let help = if causes.is_empty() {
         "compare the file with the specification of URDF: the parser gives no place"
     } else {
@@ -60,8 +66,8 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     ))
     .help(help)
     .measured(Measured::count("parsers that reject the file", 1).limit(0.0));
-    let finding = causes.iter().take(3).fold(finding, |finding, place| {
-        finding.related((*place).clone(), "probable cause")
+    let finding = causes.iter().take(3).fold(finding, |finding, (place, why)| {
+        finding.related((*place).clone(), format!("probable cause: {why}"))
     });
     if causes.is_empty() { finding.hint() } else { finding }
 }
