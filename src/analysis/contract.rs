@@ -143,7 +143,22 @@ fn is_always_there(bag: &BagEvidence, topic: &TopicEvidence) -> bool {
         );
         Some(before as f64 <= margin && after as f64 <= margin)
     };
-    topic.latched || count >= MIN_MESSAGES && within().unwrap_or(false) && !comes_by_chance(topic, count)
+    // A sensor that is started late, or stops, is still a sensor of the platform.
+    let is_of_a_sensor = || count >= FEW_MESSAGES && is_of_a_sensor(topic);
+    topic.latched
+        || count >= MIN_MESSAGES && !comes_by_chance(topic, count) && (within().unwrap_or(false) || is_of_a_sensor())
+}
+
+/// Whether the messages of a topic are measurements, by their content.
+fn is_of_a_sensor(topic: &TopicEvidence) -> bool {
+    let content = &topic.content;
+    content.imu.is_some()
+        || content.fixes.is_some()
+        || content.odometry.is_some()
+        || content.clouds.is_some()
+        || content.lasers.is_some()
+        || content.images.is_some()
+        || content.calibrations.is_some()
 }
 
 /// Whether the messages of a topic are events: the gaps between its stamps are as of what comes by chance. Few without stamps may be.
@@ -207,7 +222,8 @@ fn transforms(bags: &[&BagEvidence], robots: &[&Robot]) -> BTreeMap<(FrameId, Fr
             .filter(|edge| edge.is_static || is_held(bag, edge, robots))
         {
             let frames = (edge.parent.canonical(), edge.child.canonical());
-            if !names::is_world(&frames.0) && !names::is_moving_part(&frames.1) {
+            let is_world = names::is_world(&frames.0) || names::is_world(&frames.1);
+            if !is_world && !names::is_moving_part(&frames.1) {
                 edges.entry(frames).or_default().push((bag, edge));
             }
         }

@@ -26,15 +26,30 @@ pub struct Tilting {
     pub windows: usize,
     /// Root of the sum of squared rotations of gravity, radians: those that the gyro does not explain, too.
     pub turned_rad: f64,
+    /// The largest angle between the directions of gravity in two windows, about, radians. What exceeds twice the angle whose cosine is
+    /// one over 1 plus the tolerance of its magnitude, 60 degrees, is no acceleration of a vehicle.
+    pub range_rad: f64,
 }
 
 impl Tilting {
     /// Of windows that last about half a second; `None` without any whose force is that of gravity.
     pub fn of(windows: &[Vec<TiltRow>], median_force: f64) -> Option<Self> {
         let (mut xx, mut xy, mut yy, mut count) = (0.0, 0.0, 0.0, 0);
-        for (by_gravity, by_gyro) in windows.iter().filter_map(|window| change(window, median_force)) {
+        let changes: Vec<_> = windows
+            .iter()
+            .filter_map(|window| change(window, median_force))
+            .collect();
+        let farthest = |from: &Vector3<f64>| {
+            let to = changes.iter().map(|(to, ..)| *to);
+            to.max_by(|a, b| from.angle(a).total_cmp(&from.angle(b)))
+        };
+        let ends = changes.first().and_then(|(first, ..)| {
+            let one = farthest(first)?;
+            Some((one, farthest(&one)?))
+        });
+        for (_, by_gravity, by_gyro) in &changes {
             xx += by_gyro.norm_squared();
-            xy += by_gyro.dot(&by_gravity);
+            xy += by_gyro.dot(by_gravity);
             yy += by_gravity.norm_squared();
             count += 1;
         }
@@ -43,6 +58,7 @@ impl Tilting {
             correlation: xy / (xx * yy).sqrt(),
             windows: count,
             turned_rad: yy.sqrt(),
+            range_rad: ends.map_or(0.0, |(one, other)| one.angle(&other)),
         };
         (found.gain.is_finite() && found.correlation.is_finite()).then_some(found)
     }
@@ -54,8 +70,8 @@ impl Tilting {
     }
 }
 
-/// The change of gravity's direction in a window, and that which the gyro predicts.
-fn change(window: &[TiltRow], median_force: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+/// Gravity's direction at the end of a window, its change, and that which the gyro predicts.
+fn change(window: &[TiltRow], median_force: f64) -> Option<(Vector3<f64>, Vector3<f64>, Vector3<f64>)> {
     let (first, last) = (window.first()?, window.last()?);
     let length_s = last.0 - first.0;
     let mean = |rows: Vec<&TiltRow>| {
@@ -68,7 +84,7 @@ fn change(window: &[TiltRow], median_force: f64) -> Option<(Vector3<f64>, Vector
     let (from_s, from) = mean(window.iter().filter(|row| row.0 <= first.0 + END * length_s).collect())?;
     let (to_s, to) = mean(window.iter().filter(|row| row.0 >= last.0 - END * length_s).collect())?;
     let rate = window.iter().map(|row| row.1).sum::<Vector3<f64>>() / window.len() as f64;
-    Some((to - from, ((from + to) / 2.0).cross(&(rate * (to_s - from_s)))))
+    Some((to, to - from, ((from + to) / 2.0).cross(&(rate * (to_s - from_s)))))
 }
 
 #[cfg(test)]
@@ -125,5 +141,26 @@ mod tests {
         let falling = windows(&mut rng, 1.0, 0.5, |rng| rng.in_ball(1.0));
         assert_eq!(Tilting::of(&falling, 1.0), None, "no force is that of gravity");
         assert_eq!(Tilting::of(&[], 9.81), None);
+    }
+
+    /// A stiff vehicle that speeds up and brakes: its force turns by as many degrees as a gyro in deg/s says rad. Only the range tells.
+    #[test]
+    fn an_acceleration_stays_within_the_range_that_vehicles_have() {
+        let made = (0..60).map(|window: u32| {
+            let row = |k: u32| {
+                let t_s = f64::from(window) * 0.5 + f64::from(k) * 0.01;
+                let force = Vector3::new(5.0 * t_s.sin(), 0.0, 9.81);
+                // 1/57 of the angle of the force, in deg/s.
+                let rate = -(5.0 * t_s.cos() / 9.81) / 57.3 * 57.3;
+                (t_s, Vector3::new(0.0, rate, 0.0), force)
+            };
+            (0..51).map(row).collect()
+        });
+        let found = Tilting::of(&made.collect::<Vec<_>>(), 9.81).unwrap();
+        assert!(found.correlation.abs() > 0.9, "{found:?}");
+        assert!((0.8..60f64.to_radians()).contains(&found.range_rad), "{found:?}");
+        let mut rng = Rng::new(7);
+        let tumbling = windows(&mut rng, 1.0, 0.5, |rng| rng.in_ball(2.0));
+        assert!(Tilting::of(&tumbling, 9.81).unwrap().range_rad > 70f64.to_radians());
     }
 }

@@ -46,7 +46,7 @@ pub struct CloudSample {
     pub at: MessageRef,
     /// Rows and columns; one row where the cloud is not organised.
     pub size: [u32; 2],
-    /// Rings of a lidar: rows of an organised cloud, or else different numbers in the field of rings. `None` without both.
+    /// Rings of a lidar: different numbers in the field of rings, or else the rows of an organised cloud. `None` without both.
     #[serde(default)]
     pub rings: Option<u32>,
     /// Points with finite coordinates that are not all zero, of all that were examined.

@@ -15,7 +15,7 @@ use super::times::time_of;
 /// Fields with the ring of a point.
 const RINGS: [&str; 5] = ["ring", "line", "channel", "laser_id", "laser"];
 /// No lidar has more rings; clouds with more rows are those of a depth camera.
-const MAX_RINGS: usize = 256;
+const MAX_RINGS: u32 = 256;
 
 /// A cloud that is kept.
 struct KeptCloud {
@@ -230,7 +230,7 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
             let time = time.and_then(|(_, column)| column.of(bytes)).unwrap_or(f64::NAN);
             times.push(time);
             let ring = ring.and_then(|column| column.of(bytes)).filter(|ring| ring.is_finite());
-            if rings.len() < MAX_RINGS {
+            if rings.len() < MAX_RINGS as usize {
                 rings.extend(ring.map(f64::to_bits));
             }
             points.push(CloudPoint {
@@ -253,10 +253,12 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
     });
     Some(CloudContent {
         size: [cloud.height, cloud.width],
-        rings: if (2..=MAX_RINGS).contains(&(cloud.height as usize)) && cloud.width > 1 {
-            Some(cloud.height)
-        } else {
-            u32::try_from(rings.len()).ok().filter(|rings| *rings > 0)
+        rings: match rings.len() {
+            // Some drivers write a row for each firing.
+            0 => (2..=cloud.width.min(MAX_RINGS))
+                .contains(&cloud.height)
+                .then_some(cloud.height),
+            rings => u32::try_from(rings).ok(),
         },
         returns: points.len() as u64,
         looked_at,

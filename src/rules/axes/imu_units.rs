@@ -33,6 +33,7 @@ pub(crate) struct Limits {
     min_correlation: f64,
     max_factor: f64,
     min_tilting: f64,
+    min_range_deg: f64,
 }
 
 impl Rule for ImuUnits {

@@ -12,6 +12,7 @@ pub(crate) struct ContractSensor;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
     max_ratio: f64,
+    min_share: f64,
 }
 
 impl Rule for ContractSensor {
@@ -57,14 +58,21 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
             found.unknown.push(key);
             continue;
         };
-        let ratio = f64::from(count.max(wanted)) / f64::from(count.min(wanted).max(1));
-        if ratio > limits.max_ratio {
+        let share = f64::from(count) / f64::from(wanted.max(1));
+        // Rings whose rays all miss leave nothing in a cloud; rays of a scan do not.
+        let least = if key == "rings" {
+            limits.min_share
+        } else {
+            1.0 / limits.max_ratio
+        };
+        if share > limits.max_ratio || share <= least {
             found.other.push((format!("{count} {key} instead of {wanted}"), at));
+        } else if share < 1.0 / limits.max_ratio {
+            found.unknown.push("rings");
         }
-        let what = format!("{key}, and those of the contract, the more over the less");
         found
             .measured
-            .push(Measured::new(what, ratio, "1").limit(limits.max_ratio));
+            .push(Measured::count(key, count as usize).expected(f64::from(wanted)));
     }
     if !wanted.fields.is_empty() {
         let lacks = |names: &[&str]| {
@@ -98,7 +106,7 @@ fn report(term: &Term, (source, unread): (SourceId, Option<&str>), found: Compar
         if found.unknown.is_empty() {
             return out.pass(subject, found.measured);
         }
-        let why = unread.unwrap_or("no message that has it was read");
+        let why = unread.unwrap_or("no message has them, or only some of the rings have points");
         return out.too_little(
             subject,
             format!("not known: its {}: {why}", found.unknown.join(" and ")),

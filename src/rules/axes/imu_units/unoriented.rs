@@ -52,7 +52,9 @@ pub(super) fn judge((imu, sensor): (&Imu, &Sensor), subject: String, why: &str, 
                 "{why}; {} rotates {:.3} times as far as the gyro, which neither rad/s nor deg/s explains: they may not rotate together",
                 found.words, found.gain
             ),
-            None => format!("{why}; neither the course nor gravity rotates enough with the gyro to show its unit"),
+            None => format!(
+                "{why}; neither a course that turns nor gravity in its axes shows the unit: turn the sensor by hand, upside down and back, for 20 s"
+            ),
         };
         return out.too_little(subject, why);
     };
@@ -93,7 +95,9 @@ fn by_gravity(imu: &Imu, limits: &Limits) -> Option<Witness> {
     });
     let found = Tilting::of(&windows.collect::<Vec<_>>(), force)?;
     let turned_deg = found.turned_rad.to_degrees() * found.correlation.abs();
-    let is_clear = turned_deg >= limits.min_rotation_deg
+    // A vehicle that brakes leans a little, as if gravity turned a lot.
+    let is_clear = found.range_rad.to_degrees() >= limits.min_range_deg
+        && turned_deg >= limits.min_rotation_deg
         && found.correlation.abs() >= limits.min_tilting
         && found.t().abs() >= limits.min_t;
     is_clear.then(|| Witness {
