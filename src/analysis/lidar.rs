@@ -2,7 +2,7 @@
 
 use crate::analysis::{names, radar};
 use crate::source::Place;
-use crate::tables::CloudDriver;
+use crate::tables::{CloudDriver, RING_FIELDS};
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence, laser::LaserEvidence};
 
@@ -17,19 +17,8 @@ const UNITS_S: [(f64, &str); 4] = [
 /// Longest scan, seconds: if nearly all clouds are dropped, the times would match another unit.
 const LONGEST_S: f64 = 20.0;
 
-/// Fields that only the points of a lidar have.
-const OF_A_LIDAR: [&str; 10] = [
-    "ring",
-    "line",
-    "channel",
-    "laser_id",
-    "laser",
-    "azimuth",
-    "reflectivity",
-    "tag",
-    "return_type",
-    "column",
-];
+/// Fields that only the points of a lidar have, beside those of rings.
+const OF_A_LIDAR: [&str; 5] = ["azimuth", "reflectivity", "tag", "return_type", "column"];
 
 /// Words in topics and frames of lidars.
 const LIDARS: [&str; 16] = [
@@ -141,7 +130,10 @@ impl<'w> Clouds<'w> {
     /// Whether these are raw points of a lidar: not of a depth camera, and not of a map.
     pub(crate) fn is_of_a_lidar(&self) -> bool {
         let is_registered = self.frame().is_some_and(|frame| names::is_world(&frame));
-        let has_field = OF_A_LIDAR.iter().any(|name| self.datatype(name).is_some());
+        let has_field = OF_A_LIDAR
+            .iter()
+            .chain(&RING_FIELDS)
+            .any(|name| self.datatype(name).is_some());
         let words = self.topic.words();
         let has_word = words.iter().any(|word| LIDARS.contains(&word.as_str()));
         let has_colour = ["rgb", "rgba"].iter().any(|name| self.datatype(name).is_some());

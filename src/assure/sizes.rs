@@ -89,7 +89,12 @@ pub(super) fn smallest(
         let mut found = both.map(|both| {
             let by_sign = both.each_ref().map(|found| found.size);
             let rules_by_sign = both.each_ref().map(|found| found.rule.clone());
-            let larger = larger(both);
+            let [positive, negative] = both;
+            let larger = if positive.size >= negative.size {
+                positive
+            } else {
+                negative
+            };
             FoundSize {
                 by_sign,
                 rules_by_sign,
@@ -112,11 +117,6 @@ pub(super) fn smallest(
         }
     });
     errors.collect()
-}
-
-/// The larger of two sizes, the first of equal ones.
-fn larger([a, b]: [FoundSize; 2]) -> FoundSize {
-    if a.size >= b.size { a } else { b }
 }
 
 /// The smallest size that is found, between one that is not and one that is.

@@ -58,15 +58,6 @@ impl Subject {
         }
     }
 
-    /// The recording that it is of, by its number in the world.
-    pub fn recording(&self) -> Option<usize> {
-        match &self.at {
-            SubjectPlace::Edge { bag, .. } | SubjectPlace::Topic { bag, .. } => Some(*bag),
-            SubjectPlace::Stream(stream) => Some(stream.bag),
-            _ => None,
-        }
-    }
-
     /// Whether a row or a finding with this subject is about it.
     pub fn is_in(&self, text: &str) -> bool {
         self.words.iter().any(|word| text.contains(word.as_str()))

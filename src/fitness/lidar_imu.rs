@@ -10,6 +10,7 @@ use crate::math::stats::median;
 use crate::rules::codes;
 use crate::verdict::{Measured, Severity, Verdict};
 use crate::world::BagEvidence;
+use crate::world::content::CovarianceEvidence;
 use crate::world::motion::InertialRow;
 
 use super::conditions::{Absence, absent, by_rules, clocks, initial_guess, lidars, rate, together};
@@ -132,7 +133,7 @@ fn parts(bag: &BagEvidence, imu: &Imu) -> Condition {
     let is_declared = |field: &str| {
         let topic = bag.topics.get(&imu.stream.topic);
         let covariance = topic.and_then(|topic| topic.content.covariances.get(field));
-        covariance.is_none_or(|covariance| covariance.count == 0 || covariance.minus_one < covariance.count)
+        !covariance.is_some_and(CovarianceEvidence::is_declared_absent)
     };
     let gyro = is_declared("angular_velocity_covariance") && has(|row| row.angular_velocity);
     let force = is_declared("linear_acceleration_covariance") && has(|row| row.linear_acceleration);

@@ -34,7 +34,7 @@ pub struct Tilting {
 impl Tilting {
     /// Of windows that last about half a second; `None` without any whose force is that of gravity.
     pub fn of(windows: &[Vec<TiltRow>], median_force: f64) -> Option<Self> {
-        let (mut xx, mut xy, mut yy, mut count) = (0.0, 0.0, 0.0, 0);
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         let changes: Vec<_> = windows
             .iter()
             .filter_map(|window| change(window, median_force))
@@ -51,12 +51,11 @@ impl Tilting {
             xx += by_gyro.norm_squared();
             xy += by_gyro.dot(by_gravity);
             yy += by_gravity.norm_squared();
-            count += 1;
         }
         let found = Self {
             gain: xy / xx,
             correlation: xy / (xx * yy).sqrt(),
-            windows: count,
+            windows: changes.len(),
             turned_rad: yy.sqrt(),
             range_rad: ends.map_or(0.0, |(one, other)| one.angle(&other)),
         };

@@ -143,6 +143,13 @@ pub struct CovarianceEvidence {
     pub least_positive: Option<(f64, CovarianceAt)>,
 }
 
+impl CovarianceEvidence {
+    /// Whether every message declares the field as not provided.
+    pub fn is_declared_absent(&self) -> bool {
+        self.count > 0 && self.minus_one == self.count
+    }
+}
+
 /// The content of inertial messages: enough to know whether they carry an orientation at all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImuEvidence {

@@ -5,7 +5,6 @@ use crate::world::bag::TopicEvidence;
 use crate::world::contract::SensorTerms;
 
 /// What the messages of a topic hold: all different values that were seen, each with its first message.
-#[derive(Default)]
 pub(crate) struct SensorSeen<'w> {
     /// Width and height, pixels: of images, and of the images that calibrations are for.
     pub(crate) images: Vec<([u32; 2], &'w MessageRef)>,

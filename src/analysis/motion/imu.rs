@@ -5,10 +5,12 @@ use std::sync::Arc;
 use nalgebra::UnitQuaternion;
 
 use crate::analysis::motion::mount::{Mount, mount};
-use crate::analysis::{motion::inertial::Inertial, motion::stream::Stream};
+use crate::analysis::{Estimates, motion::inertial::Inertial, motion::stream::Stream};
 use crate::math::readings::Reading;
 use crate::tables::InsDriver;
-use crate::world::{BagEvidence, World, bag::TopicContent, content::ContentEvidence, motion::InertialRow};
+use crate::world::{
+    BagEvidence, bag::TopicContent, content::ContentEvidence, content::CovarianceEvidence, motion::InertialRow,
+};
 
 /// An inertial sensor.
 #[derive(Clone, Debug)]
@@ -20,21 +22,21 @@ pub(crate) struct Imu {
     /// Why it has no orientation.
     pub(crate) no_orientation: Option<&'static str>,
     /// Its measurements.
-    pub(crate) inertial: Inertial,
+    pub(crate) inertial: Arc<Inertial>,
     /// The driver that publishes it, by the names around it.
     pub(crate) driver: Option<Arc<InsDriver>>,
 }
 
 impl Imu {
     /// The sensor of a topic, or of a member of its messages; `None` if it has no inertial data.
-    pub(crate) fn of(world: &World, bag: &BagEvidence, said: &TopicContent<'_>) -> Option<Self> {
+    pub(crate) fn of(world: &Estimates, bag: &BagEvidence, said: &TopicContent<'_>) -> Option<Self> {
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
         let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
         let stream = in_ros(world, stream, mount.as_ref());
         Some(Self {
             mount,
-            inertial: Inertial::of(&stream, no_orientation.is_none()),
+            inertial: Inertial::of(world, &stream, no_orientation.is_none()),
             no_orientation,
             driver: world.tables.ins_driver(&said.topic.words()),
             stream,
@@ -66,7 +68,7 @@ impl Imu {
 }
 
 /// The stream in the convention of ROS.
-fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
+fn in_ros(world: &Estimates, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
     let said = stream.convention(world);
     let is_of_body_alone = said.is_of_body_alone();
     let expressed_in = said.without_turn_of(mount);
@@ -75,8 +77,9 @@ fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> 
     }
     // The world of a body in FRD is not declared: gravity decides.
     let enu = stream.clone().converted(expressed_in.clone());
-    let is_down = Inertial::of(&enu, true)
+    let is_down = Inertial::of(world, &enu, true)
         .gravity
+        .as_ref()
         .and_then(|gravity| Some(gravity.mean(Reading::Xyzw)?.mean_m_s2.z < 0.0));
     if is_down == Some(true) {
         stream.converted(expressed_in.with_ned())
@@ -89,7 +92,7 @@ fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> 
 fn no_orientation(content: &ContentEvidence) -> Option<&'static str> {
     let imu = content.imu.as_ref()?;
     let covariance = content.covariances.get("orientation_covariance");
-    if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
+    if covariance.is_some_and(CovarianceEvidence::is_declared_absent) {
         Some("it declares that it has no orientation (orientation_covariance[0] is -1)")
     } else if imu.zero == imu.count {
         Some("it has no orientation (all zero)")

@@ -2,6 +2,10 @@
 //!
 //! Made once for all rules that judge the sensor. Must not judge.
 
+use std::hash::{DefaultHasher, Hasher};
+use std::sync::Arc;
+
+use crate::analysis::estimates::{Estimates, hash_numbers};
 use crate::analysis::motion::stream::{Stream, TimedRow};
 use crate::math::gravity::{Gravity, gravity};
 use crate::math::rest::{RestEstimate, rest};
@@ -37,7 +41,23 @@ pub(crate) struct Inertial {
 
 impl Inertial {
     /// Measures the rows of a sensor.
-    pub(crate) fn of(stream: &Stream<InertialRow>, has_orientation: bool) -> Self {
+    pub(crate) fn of(world: &Estimates, stream: &Stream<InertialRow>, has_orientation: bool) -> Arc<Self> {
+        let numbers = |hasher: &mut DefaultHasher| {
+            hasher.write_u8(u8::from(has_orientation));
+            for stretch in &stream.stretches {
+                hasher.write_usize(stretch.len());
+                for TimedRow { t_s, row, .. } in stretch {
+                    hash_numbers(hasher, [*t_s]);
+                    hash_numbers(hasher, row.orientation);
+                    hash_numbers(hasher, row.angular_velocity);
+                    hash_numbers(hasher, row.linear_acceleration);
+                }
+            }
+        };
+        world.shared(numbers, || Self::measured(stream, has_orientation))
+    }
+
+    fn measured(stream: &Stream<InertialRow>, has_orientation: bool) -> Self {
         let length = |timed: &TimedRow<InertialRow>| norm(timed.row.linear_acceleration);
         let forces: Vec<f64> = stream.rows().map(length).collect();
         let still = |timed: &TimedRow<InertialRow>| rest::Row {

@@ -2,11 +2,14 @@
 //!
 //! Owns what makes a lag count. Must not judge whether it is too large.
 
+use std::hash::{DefaultHasher, Hasher};
+use std::sync::Arc;
+
 use serde::Deserialize;
 
+use crate::analysis::estimates::{Estimates, hash_numbers};
 use crate::analysis::time::turning::{Kind, Runs, Signal};
 use crate::math::lag::{Lag, Options, Peak, lag};
-use crate::world::World;
 
 /// Lags farther from the best one than this count as different, seconds.
 const GUARD_S: f64 = 2.0;
@@ -51,7 +54,7 @@ pub(crate) enum NoOffset {
 }
 
 /// The offset, unless the two may be of two bodies: one that follows the other shows its motion later without a fault.
-pub(crate) fn held(world: &World, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
+pub(crate) fn held(world: &Estimates, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
     if let (Some(one), Some(other)) = (&first.body, &second.body)
         && one != other
         && world.graph().chain(one, other, |edge| edge.is_rigid).is_none()
@@ -59,17 +62,17 @@ pub(crate) fn held(world: &World, first: &Signal, second: &Signal, limits: &Limi
         let why = format!("no rigid transform connects `{other}` and `{one}`: they may be two bodies");
         return Err(NoOffset::Undetermined(0.0, why));
     }
-    offset(first, second, limits)
+    offset(world, first, second, limits)
 }
 
 /// The offset of `second` against `first`, by the quantity that determines it best.
-fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
+fn offset(world: &Estimates, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
     let (Some(from_s), Some(to_s)) = (first.stamp_offset_s, second.stamp_offset_s) else {
         let why = "the stamps are zero, do not advance, or advance at another rate than the log clock";
         return Err(NoOffset::Undetermined(0.0, why.to_owned()));
     };
-    let by =
-        |by: Quantity, a: &Runs, b: &Runs| log_lag(a, b, by, [first.kind, second.kind].contains(&Kind::Fix), limits);
+    let is_fix = [first.kind, second.kind].contains(&Kind::Fix);
+    let by = |by: Quantity, a: &Runs, b: &Runs| log_lag(world, [a, b], by, is_fix, limits);
     let turned = by(Quantity::YawRate, &first.yaw_rate, &second.yaw_rate);
     let ran = by(Quantity::Speed, &first.speed, &second.speed);
     let best = match (turned, ran) {
@@ -106,25 +109,24 @@ struct LogLag {
     curve: Vec<[f64; 2]>,
 }
 
-fn log_lag(first: &Runs, second: &Runs, by: Quantity, is_fix: bool, limits: &Limits) -> Result<LogLag, NoOffset> {
+fn log_lag(
+    world: &Estimates,
+    [first, second]: [&Runs; 2],
+    by: Quantity,
+    is_fix: bool,
+    limits: &Limits,
+) -> Result<LogLag, NoOffset> {
     let silent = |rho: f64, why: &str| Err(NoOffset::Undetermined(rho, format!("{}: {why}", by.words())));
-    let options = if is_fix || by == Quantity::Speed {
-        Options {
-            grid_s: 0.1,
-            smooth_s: 0.5,
-            max_lag_s: limits.max_lag_s,
-            guard_s: GUARD_S,
-            hole_s: 1.1,
-            ..Options::fine()
-        }
-    } else {
-        Options {
-            max_lag_s: limits.max_lag_s,
-            guard_s: GUARD_S,
-            ..Options::fine()
-        }
+    let mut options = Options {
+        max_lag_s: limits.max_lag_s,
+        guard_s: GUARD_S,
+        ..Options::fine()
     };
-    let Some(found) = either_sign(first, second, &options) else {
+    if is_fix || by == Quantity::Speed {
+        (options.grid_s, options.smooth_s, options.hole_s) = (0.1, 0.5, 1.1);
+    }
+    let found = either_sign(world, [first, second], &options);
+    let Some(found) = found.as_ref() else {
         return silent(0.0, "nothing changes while both are recorded");
     };
     let peak = found.whole;
@@ -207,7 +209,7 @@ fn log_lag(first: &Runs, second: &Runs, by: Quantity, is_fix: bool, limits: &Lim
         by,
         sigma_s,
         peak,
-        curve: found.curve,
+        curve: found.curve.clone(),
     })
 }
 
@@ -225,14 +227,26 @@ fn deviation(runs: &Runs) -> f64 {
 }
 
 /// The lag, also of signals with opposite signs: which sign is right is not judged here.
-fn either_sign(first: &Runs, second: &Runs, options: &Options) -> Option<Lag> {
-    let found = lag(first, second, options)?;
-    if found.whole.trough.0.abs() <= found.whole.rho {
-        return Some(found);
-    }
-    let negated = |run: &Vec<(f64, f64)>| run.iter().map(|(t_s, value)| (*t_s, -value)).collect();
-    let negated: Runs = first.iter().map(negated).collect();
-    lag(&negated, second, options)
+fn either_sign(world: &Estimates, [first, second]: [&Runs; 2], options: &Options) -> Arc<Option<Lag>> {
+    let numbers = |hasher: &mut DefaultHasher| {
+        hash_numbers(hasher, [options.grid_s, options.max_lag_s]);
+        for runs in [first, second] {
+            hasher.write_usize(runs.len());
+            for run in runs {
+                hasher.write_usize(run.len());
+                hash_numbers(hasher, run.iter().flat_map(|(t_s, value)| [*t_s, *value]));
+            }
+        }
+    };
+    world.shared(numbers, || {
+        let found = lag(first, second, options)?;
+        if found.whole.trough.0.abs() <= found.whole.rho {
+            return Some(found);
+        }
+        let negated = |run: &Vec<(f64, f64)>| run.iter().map(|(t_s, value)| (*t_s, -value)).collect();
+        let negated: Runs = first.iter().map(negated).collect();
+        lag(&negated, second, options)
+    })
 }
 
 #[derive(Debug, Deserialize)]
@@ -266,9 +280,11 @@ mod tests {
         clippy::cast_sign_loss
     )]
     use super::*;
+    use crate::analysis::Settings;
     use crate::math::tests_drive::Wander;
     use crate::math::tests_support::Rng;
     use crate::rules::pages;
+    use crate::world::World;
     use std::collections::BTreeMap;
 
     const LATE_S: f64 = 0.1;
@@ -291,11 +307,13 @@ mod tests {
 
     fn share(seconds: f64, noise: f64, related: bool, trials: u32) -> (f64, f64) {
         let limits = pages::TIME09.limits::<Limits>(&BTreeMap::new()).unwrap();
+        let (world, settings) = (World::default(), Settings::default());
+        let estimates = Estimates::new(&world, &settings);
         let mut rng = Rng::new(909);
         let (mut found, mut worst) = (0, 0.0_f64);
         for _ in 0..trials {
             let [gyro, rate] = drive(&mut rng, seconds, noise, related);
-            if let Ok(lag) = log_lag(&gyro, &rate, Quantity::YawRate, false, &limits) {
+            if let Ok(lag) = log_lag(&estimates, [&gyro, &rate], Quantity::YawRate, false, &limits) {
                 found += 1;
                 worst = worst.max((lag.peak.lag_s - LATE_S).abs());
             }

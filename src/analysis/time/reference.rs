@@ -2,9 +2,9 @@
 //!
 //! Owns how many pairs are tried. Must not judge.
 
+use crate::analysis::Estimates;
 use crate::analysis::time::offsets::{Limits, NoOffset, Offset, held};
 use crate::analysis::time::turning::{Kind, Signal};
-use crate::world::World;
 
 /// A signal, and the offsets of those behind it.
 type SignalOffsets<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, NoOffset>)>);
@@ -14,7 +14,7 @@ type NoLag = (f64, String);
 
 /// The first signal that another one can be compared with, or why each signal cannot be compared.
 pub(crate) fn reference<'s>(
-    world: &World,
+    world: &Estimates,
     signals: &'s [Signal],
     limits: &Limits,
 ) -> Result<SignalOffsets<'s>, Vec<String>> {

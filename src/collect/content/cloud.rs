@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
+use crate::tables::RING_FIELDS;
 use crate::world::cloud::{CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes};
 
 use super::super::point::{Point, PointOwner};
@@ -12,8 +13,6 @@ use super::super::thin::SampleBudget;
 use super::slices::Slices;
 use super::times::time_of;
 
-/// Fields with the ring of a point.
-const RINGS: [&str; 5] = ["ring", "line", "channel", "laser_id", "laser"];
 /// No lidar has more rings; clouds with more rows are those of a depth camera.
 const MAX_RINGS: u32 = 256;
 
@@ -208,7 +207,7 @@ fn prime(from: u32) -> u32 {
 fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<CloudContent> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields);
-    let ring = RINGS.iter().find_map(|name| cloud.column(name));
+    let ring = RING_FIELDS.iter().find_map(|name| cloud.column(name));
     let mut rings = BTreeSet::new();
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());

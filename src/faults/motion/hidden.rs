@@ -22,7 +22,7 @@ pub struct HiddenDirection {
 }
 
 /// The rotations of a platform, by its poses. `None` where there are no poses.
-pub struct Rotations(Option<Excitation>, usize);
+pub struct Rotations(Option<Excitation>);
 
 impl Rotations {
     /// Of the stream of poses with the most rotations; that of the base comes first.
@@ -43,13 +43,12 @@ impl Rotations {
             Some(((stream.moving == MovingFrame::Base, vectors.len()), vectors))
         });
         let (_, vectors) = each.max_by_key(|(order, _)| *order)?;
-        let count = vectors.len();
-        Some(Self(Excitation::of(vectors), count))
+        Some(Self(Excitation::of(vectors)))
     }
 
     /// Where these rotations hide a position along an axis of the platform.
     pub fn hide(&self, along: &Vector3<f64>) -> Option<HiddenDirection> {
-        let Some(found) = self.0.as_ref().filter(|_| self.1 >= LEAST) else {
+        let Some(found) = self.0.as_ref().filter(|found| found.count() >= LEAST) else {
             return Some(HiddenDirection {
                 axis: (*along).into(),
                 why: "this motion cannot show it: the platform hardly rotates, and without rotation every position of a sensor moves alike"
@@ -64,9 +63,9 @@ impl Rotations {
             .find(|(value, _)| **value > 0.5)
             .map_or("z", |(_, name)| name);
         let how_many = if off == 0 {
-            format!("all {}", self.1)
+            format!("all {}", found.count())
         } else {
-            format!("{} of {}", self.1 - off, self.1)
+            format!("{} of {}", found.count() - off, found.count())
         };
         (is_along && off < LEAST_OFF).then(|| HiddenDirection {
             axis: (main * main.dot(along).signum()).into(),
@@ -84,7 +83,7 @@ mod tests {
 
     #[test]
     fn rotations_about_one_axis_hide_what_is_along_it() {
-        let of = |vectors: Vec<Vector3<f64>>| Rotations(Excitation::of(vectors.clone()), vectors.len());
+        let of = |vectors: Vec<Vector3<f64>>| Rotations(Excitation::of(vectors));
         let yaw = of((0..20).map(|_| Vector3::z() * 0.2).collect());
         let found = yaw.hide(&Vector3::z()).map(|hidden| hidden.axis);
         assert!(

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use crate::faults::{Change, Family, Subject};
 use crate::math::stats::median;
 use crate::world::World;
-use crate::world::content::{ContentEvidence, ImuEvidence};
+use crate::world::content::{ContentEvidence, CovarianceEvidence, ImuEvidence};
 use crate::world::motion::{InertialRow, Series};
 
 use super::covariances::{change_covariances, is_stated, rotate};
@@ -196,7 +196,7 @@ impl ImuNeed {
 /// Whether the messages state an orientation: one that is always the same, or declared as not measured, is none.
 fn has_orientation(content: &ContentEvidence) -> bool {
     let covariance = content.covariances.get("orientation_covariance");
-    if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
+    if covariance.is_some_and(CovarianceEvidence::is_declared_absent) {
         return false;
     }
     let mut rows = content.motion.inertial.iter().flat_map(Series::rows);

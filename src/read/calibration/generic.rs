@@ -11,10 +11,11 @@ use crate::world::{FrameId, FrameRole, Literal, Spelling};
 
 use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
+use super::frames::NamedFrames;
 use super::names::{self, PairHalf};
 use super::numbers::{self, Numbers};
 use super::shapes::{self, Draft, Rotation};
-use super::walk::{NamedFrames, Step, Walk};
+use super::walk::{Step, Walk};
 
 /// Reads one document. Depth is bounded by the document model.
 pub(super) fn read<'a>(root: &'a Node, walk: &mut Walk<'a>) {

@@ -8,6 +8,7 @@ mod cameras;
 mod dialect;
 pub(crate) mod document;
 pub(crate) mod events;
+mod frames;
 mod generic;
 mod leftovers;
 mod names;

@@ -3,6 +3,7 @@
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::{lidar::Clouds, names};
 use crate::rules::prelude::*;
+use crate::tables::RING_FIELDS;
 use crate::world::motion::{FixRow, PoseRow};
 
 pub(crate) struct PointTimeMissing;
@@ -102,8 +103,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
 
 /// Whether the points are known to be measured one after the other: by a driver recognised by its fields, or by the ring number of each point.
 fn spins(clouds: &Clouds) -> bool {
-    let rings = ["ring", "line", "channel", "laser_id"];
-    clouds.driver.is_some() || rings.iter().any(|name| clouds.datatype(name).is_some())
+    clouds.driver.is_some() || RING_FIELDS.iter().any(|name| clouds.datatype(name).is_some())
 }
 
 fn named(finding: Finding, is_constant: bool) -> Finding {

@@ -9,7 +9,6 @@ use crate::analysis::time::turning::{Kind, Signal, signals};
 use crate::rules::prelude::*;
 use crate::verdict::Plot;
 use crate::verdict::plot::{Axis, Series};
-use crate::world::{BagEvidence, World};
 
 pub(crate) struct SensorTimeOffset;
 
@@ -19,8 +18,8 @@ impl Rule for SensorTimeOffset {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let sensors = Sensors::of(world);
-        for (index, (bag, motion)) in world.bags.iter().zip(&Motion::of(world).bags).enumerate() {
-            judge_bag(world, bag, motion, sensors.of_bag(index), limits, out);
+        for (index, motion) in Motion::of(world).bags.iter().enumerate() {
+            judge_bag(world, motion, sensors.of_bag(index), limits, out);
         }
     }
 }
@@ -32,14 +31,7 @@ fn is_wrong(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> bool {
     own.is_some_and(|(_, sensor)| sensor.diagnosis.shown_by.is_some())
 }
 
-fn judge_bag(
-    world: &World,
-    _bag: &BagEvidence,
-    motion: &BagMotion,
-    sensors: &[Sensor],
-    limits: &Limits,
-    out: &mut Judge,
-) {
+fn judge_bag(world: &Estimates, motion: &BagMotion, sensors: &[Sensor], limits: &Limits, out: &mut Judge) {
     let signals = signals(motion);
     let (first, others) = match reference(world, &signals, limits) {
         Ok(found) => found,
