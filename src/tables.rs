@@ -18,7 +18,7 @@ use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 
-pub use clouds::{CloudDriver, PointTime, RING_FIELDS, Sweep, TimeOrigin};
+pub use clouds::{CloudDriver, PointTime, Sweep, TimeOrigin};
 pub use dataset::{Axes, Dataset, DatasetFrame, QuaternionWord};
 pub use dialects::{Angle, Dialect, KeyedTransform, Length};
 pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};

@@ -2,7 +2,8 @@
 
 use crate::analysis::{names, radar};
 use crate::source::Place;
-use crate::tables::{CloudDriver, RING_FIELDS};
+use crate::tables::CloudDriver;
+use crate::world::cloud::RING_FIELDS;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence, laser::LaserEvidence};
 
@@ -153,11 +154,12 @@ impl<'w> Clouds<'w> {
         samples.filter_map(|sample| Some((sample, sample.times.as_ref()?)))
     }
 
-    /// The unit in which the times of a cloud span a scan, seconds, and its name; the period must be known.
+    /// The unit in which the times of a cloud span a scan, seconds, and its name; the period must be known. Of a throttled topic only every
+    /// tenth scan or so is recorded.
     pub(crate) fn unit(&self, times: &PointTimes) -> Option<(f64, &'static str)> {
         let period_s = self.period_s().filter(|period_s| *period_s <= LONGEST_S)?;
         let [low, high] = times.quantiles;
-        let fits = |(unit_s, _): &(f64, &str)| (0.5..=1.1).contains(&((high - low) * unit_s / period_s));
+        let fits = |(unit_s, _): &(f64, &str)| (0.02..=1.1).contains(&((high - low) * unit_s / period_s));
         UNITS_S.into_iter().find(fits)
     }
 

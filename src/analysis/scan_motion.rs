@@ -281,7 +281,8 @@ impl LidarAttitude {
 /// Whether z of a planar scanner points up, by the transforms.
 fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     let frame = clouds.frame().ok_or("the scans have no `frame_id`")?;
-    let mount = mount(world, &frame).ok_or("the scanner is not tied to a base, so its plane is unknown")?;
+    let mount =
+        mount(world, &frame).ok_or("the scanner is not tied to a base such as `base_link`, so its plane is unknown")?;
     let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
     if up.abs() < LEVEL {
         return Err("by its transform the plane of the scanner is not level");

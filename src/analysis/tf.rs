@@ -214,12 +214,18 @@ pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<BagFrame
     let mut uses: BTreeMap<FrameId, Vec<BagFrameUse>> = BTreeMap::new();
     for topic in bag.topics.values() {
         let kind = header_use(&topic.message_type);
-        // Only sensors need a frame: an empty one is normal elsewhere.
-        let wanted = |frame: &FrameId| {
-            kind != HeaderUse::Ignored && (kind == HeaderUse::Sensor || !frame.canonical().as_str().is_empty())
-        };
-        let named = topic.header_frames.iter().chain(&topic.child_frames);
-        for (frame, HeaderFrame { count, first }) in named.filter(|(frame, _)| wanted(frame)) {
+        if kind == HeaderUse::Ignored {
+            continue;
+        }
+        // Only sensors and odometry need a frame: an empty one is normal elsewhere, and for a child.
+        let needs_one = kind == HeaderUse::Sensor || topic.type_name() == "Odometry";
+        let is_named = |frame: &FrameId| !frame.canonical().as_str().is_empty();
+        let headers = topic
+            .header_frames
+            .iter()
+            .filter(|(frame, _)| needs_one || is_named(frame));
+        let children = topic.child_frames.iter().filter(|(frame, _)| is_named(frame));
+        for (frame, HeaderFrame { count, first }) in headers.chain(children) {
             uses.entry(frame.canonical()).or_default().push(BagFrameUse {
                 topic,
                 kind,

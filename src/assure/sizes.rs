@@ -185,7 +185,7 @@ impl Search<'_> {
         let [whole, low, high] = sizes.map(|size| format!("{size:.2}"));
         Miss {
             reason: format!(
-                "not the same in all parts of these data: {rule} finds it from {whole} {unit} on here, and on another drive of the kind from {low} to {high} {unit} on"
+                "what {rule} finds varies too much from part to part of these data: from {whole} {unit} on in all of them together, and on another drive of the kind from {low} to {high} {unit} on"
             ),
             record: format!("more of what {rule} measures: {}", self.fault.record),
         }

@@ -10,16 +10,18 @@ use super::reader::Reader;
 impl Reader<'_> {
     /// Adds what is required to the policy.
     pub(super) fn requirements(&self, root: &Node, asked: &mut PolicyLayer) -> Result<(), ConfigError> {
-        for item in self.list_of(
-            root,
-            "require",
-            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`, `- {detects: imu-wxyz}`",
-        )? {
+        const EXAMPLE: &str =
+            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`, `- {detects: imu-wxyz}`";
+        let items = match root.get("require") {
+            Some(one) if one.is_mapping() => std::slice::from_ref(one),
+            _ => self.list_of(root, "require", EXAMPLE)?,
+        };
+        for item in items {
             if let Some(share) = item.get("share") {
                 self.keys(item, &["share"])?;
                 asked.share = Some(self.share(share)?);
             } else if let Some(names) = item.get("detects") {
-                self.keys(item, &["detects", "subject", "if", "lifted"])?;
+                self.keys(item, &["detects", "smaller-than", "subject", "if", "lifted"])?;
                 let items: Vec<&Node> = names
                     .items()
                     .map_or_else(|| vec![names], |items| items.iter().collect());
@@ -68,26 +70,17 @@ impl Reader<'_> {
 
     /// A known mistake or a family of them, by its name, or by its name and the size from which on it must be found.
     fn detection(&self, item: &Node, mistake: &Node) -> Result<Requirement, ConfigError> {
-        let (name, smaller_than) = if mistake.is_mapping() {
+        let name = if mistake.is_mapping() {
             self.keys(mistake, &["fault", "smaller-than"])?;
-            let size = mistake
-                .get("smaller-than")
-                .map(|size| self.quantity(size))
-                .transpose()?;
-            (
-                self.required_text(mistake, "fault", "the name of a known mistake")?,
-                size,
-            )
+            self.required_text(mistake, "fault", "the name of a known mistake")?
         } else {
             let text = mistake.text().map(str::trim).filter(|text| !text.is_empty());
             let what = "expected the name of a known mistake, or `{fault: time-offset, smaller-than: 50 ms}`";
-            (
-                text.ok_or_else(|| self.error(mistake.span.start, what))?.to_owned(),
-                None,
-            )
+            text.ok_or_else(|| self.error(mistake.span.start, what))?.to_owned()
         };
+        let size = mistake.get("smaller-than").or_else(|| item.get("smaller-than"));
         Ok(Requirement {
-            smaller_than,
+            smaller_than: size.map(|size| self.quantity(size)).transpose()?,
             origin: self.origin(mistake, true),
             ..self.required(item, name)?
         })

@@ -66,10 +66,11 @@ impl SizedFault {
     /// What a size of it means for a point at 50 m, metres; `pace`: speed, m/s, and turn rate, rad/s, of the platform.
     pub fn at_50_m(&self, size: f64, pace: Option<[f64; 2]>) -> Option<f64> {
         const FAR_M: f64 = 50.0;
+        let chord = |angle_rad: f64| 2.0 * FAR_M * (angle_rad.min(std::f64::consts::PI) / 2.0).sin();
         match self.unit {
-            "deg" => Some(2.0 * FAR_M * (size.to_radians() / 2.0).sin()),
+            "deg" => Some(chord(size.to_radians())),
             "%" => Some(FAR_M * size / 100.0),
-            "s" => pace.map(|[speed_m_s, turn_rad_s]| size * (speed_m_s + FAR_M * turn_rad_s)),
+            "s" => pace.map(|[speed_m_s, turn_rad_s]| size * speed_m_s + chord(size * turn_rad_s)),
             _ => Some(size),
         }
     }
@@ -222,10 +223,13 @@ mod tests {
 
     #[test]
     fn an_angle_is_a_chord_at_50_m_and_a_delay_is_a_way() {
-        // By hand: a chord of 60 degrees is as long as the radius.
+        // By hand: a chord of 60 degrees is as long as the radius. A chord of x rad is x (1 - x^2 / 24) radii long.
         assert!((named("yaw").at_50_m(60.0, None).unwrap_or_default() - 50.0).abs() < 1e-9);
         let late = named("time-offset").at_50_m(0.1, Some([10.0, 0.2])).unwrap_or_default();
-        assert!((late - 2.0).abs() < 1e-12);
+        assert!(
+            (late - (2.0 - 0.02_f64.powi(2) * 50.0 * 0.02 / 24.0)).abs() < 1e-9,
+            "{late}"
+        );
         assert_eq!(named("time-offset").at_50_m(0.1, None), None);
     }
 }

@@ -35,7 +35,17 @@ pub(super) fn terms(contract: &Contract, run: &Run, out: &mut String) {
     }
     let tolerance = ["tolerance_mm", "tolerance_deg"].map(|name| (name, limit(run, "contract-transform", name)));
     for (frames, terms) in &contract.transforms {
-        let _ = writeln!(out, "    - {{{}}}", transform(frames, terms, tolerance).join(", "));
+        let is_latched = terms.place.topic().is_none_or(|topic| topic.contains("static"));
+        let mark = if is_latched {
+            ""
+        } else {
+            "  # on /tf, with one value in this recording: remove it if it can move"
+        };
+        let _ = writeln!(
+            out,
+            "    - {{{}}}{mark}",
+            transform(frames, terms, tolerance).join(", ")
+        );
     }
 }
 

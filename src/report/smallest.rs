@@ -110,7 +110,7 @@ pub(super) fn range(found: &FoundSize) -> String {
     match found.range {
         Some([low, high]) if number(low, DIGITS) == number(high, DIGITS) => String::new(),
         Some([low, high]) => format!("{} to {}", number(low, DIGITS), number(high, DIGITS)),
-        None => "variation unknown: the rule needs the whole of these data".to_owned(),
+        None => "how much it varies is unknown: without a sixth of these data the rule judges nothing".to_owned(),
     }
 }
 
@@ -133,7 +133,7 @@ pub(super) fn section(smallest: &[SmallestError], style: Style, out: &mut String
             let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
         };
         for (error, found) in &of_subject.found {
-            let mut text = format!("{} {}", error.fault.name, size(error, found));
+            let mut text = format!("{} {} by {}", error.fault.name, size(error, found), found.rule);
             let range = range(found);
             if !range.is_empty() {
                 let _ = write!(text, " ({range})");
@@ -144,13 +144,13 @@ pub(super) fn section(smallest: &[SmallestError], style: Style, out: &mut String
             }
             let at_50_m = at_50_m(found);
             if !at_50_m.is_empty() && error.fault.unit != "m" {
-                let _ = write!(text, ", {at_50_m} at 50 m");
+                let _ = write!(text, ": {at_50_m} for a point at 50 m");
             }
-            line(&format!("{text}, by {}", found.rule));
+            line(&text);
         }
         for unseen in &of_subject.unseen {
             line(&format!(
-                "{}: at no size up to {} {}",
+                "{}: no size up to {} {} is sure to be found",
                 list(&unseen.names),
                 unseen.largest,
                 unseen.unit

@@ -6,9 +6,6 @@ use serde::Deserialize;
 
 use super::rows::Row;
 
-/// Fields with the ring of a point, by the drivers of lidars.
-pub const RING_FIELDS: [&str; 5] = ["ring", "line", "channel", "laser_id", "laser"];
-
 /// How a driver lays out its points.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

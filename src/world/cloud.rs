@@ -10,6 +10,8 @@ use crate::source::MessageRef;
 
 /// Different layouts of one topic that are kept.
 pub const MAX_LAYOUTS: usize = 4;
+/// Fields with the ring of a point, by the drivers of lidars.
+pub const RING_FIELDS: [&str; 5] = ["ring", "line", "channel", "laser_id", "laser"];
 /// Clouds of one topic of which points are kept.
 pub const MAX_SAMPLES: usize = 20;
 /// Points that are kept of a cloud.

@@ -453,6 +453,12 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
     };
     let by_reader = |text: &str| frames_lint::config::parse("c.yaml", text.to_owned(), Path::new("")).err();
     assert_eq!((by_schema(WHOLE), by_reader(WHOLE)), (Vec::new(), None));
+    for text in [
+        "require: {detects: [imu-wxyz, {fault: time-offset, smaller-than: 50 ms}]}\n",
+        "require: [{detects: yaw, smaller-than: 3 deg}, TREE01]\n",
+    ] {
+        assert_eq!((by_schema(text), by_reader(text)), (Vec::new(), None), "{text}");
+    }
     for (name, text) in frames_lint::config::PROFILES {
         assert_eq!((by_schema(text), by_reader(text)), (Vec::new(), None), "{name}");
     }
@@ -474,6 +480,8 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         "require: [{rule: TREE01, if: maybe}]\n",
         "require: [{rule: TREE01, if: applicable, lifted: a}]\n",
         "require: [{share: 80}]\n",
+        "require: {detect: yaw}\n",
+        "require: [{detects: [{fault: yaw, size: 3 deg}]}]\n",
         "require: [{share: 0.8, rule: TREE01}]\n",
         "conventions: [{world: NED}]\n",
         "transforms: [{file: a}]\n",

@@ -36,7 +36,9 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Estimate<BaseUp> {
     let little = |reason: String| (NotEvaluated::TooLittleEvidence, reason);
     if imu.mount.is_none() {
         let reason = match &imu.stream.frame {
-            Some(frame) => format!("`{frame}` is not tied to a base: add a URDF or record `/tf_static`"),
+            Some(frame) => {
+                format!("`{frame}` is not tied to a base such as `base_link`: add a URDF or record `/tf_static`")
+            }
             None => "its header names no frame, so its mounting is unknown".to_owned(),
         };
         return Err((NotEvaluated::MissingInput, reason));

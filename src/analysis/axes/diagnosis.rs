@@ -92,7 +92,7 @@ impl Diagnosis {
         let texts: Vec<&str> = self.causes.iter().map(|cause| cause.text).collect();
         match texts.as_slice() {
             [] => String::new(),
-            [one] => format!("Cause that fits all measurements: {one}."),
+            [one] => format!("What fits all measurements: {one}."),
             several => format!(
                 "Causes that fit all measurements; others are ruled out, and these cannot be told apart by the data: {}.",
                 numbered(several)

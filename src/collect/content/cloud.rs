@@ -5,14 +5,17 @@ use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
-use crate::tables::RING_FIELDS;
-use crate::world::cloud::{CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes};
+use crate::world::cloud::{
+    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes, RING_FIELDS,
+};
 
 use super::super::point::{Point, PointOwner};
 use super::super::thin::SampleBudget;
 use super::slices::Slices;
 use super::times::time_of;
 
+/// Points of a cloud whose rings are counted, about.
+const POINTS_OF_RINGS: u64 = 4096;
 /// No lidar has more rings; clouds with more rows are those of a depth camera.
 const MAX_RINGS: u32 = 256;
 
@@ -203,12 +206,42 @@ fn prime(from: u32) -> u32 {
     (from..=u32::MAX).find(is_prime).unwrap_or(from)
 }
 
+/// Whether a point is one: rays without a return are NaN or zero.
+fn is_return(xyz: [f64; 3]) -> bool {
+    xyz.iter().all(|value| value.is_finite()) && xyz.iter().any(|value| *value != 0.0)
+}
+
+/// The number of rings with a point; `None` without a field for them. The step over the points shares no factor with the rows and columns: steps that
+/// do leave out whole rings.
+fn rings(cloud: &Cloud<'_>, axes: [Column; 3]) -> Option<u32> {
+    let ring = RING_FIELDS.iter().find_map(|name| cloud.column(name))?;
+    let in_data = cloud.data.len() as u64 / u64::from(cloud.point_step.max(1));
+    let all = in_data.min(cloud.points());
+    let mut step = match all / POINTS_OF_RINGS {
+        0 | 1 => 1,
+        step => prime(u32::try_from(step).unwrap_or(u32::MAX)),
+    };
+    while step > 1 && (cloud.width.is_multiple_of(step) || cloud.height.is_multiple_of(step)) {
+        step = prime(step + 1);
+    }
+    let width = u64::from(cloud.width);
+    let cells = (0..all).step_by(usize::try_from(step).unwrap_or(usize::MAX));
+    let values = cells.filter_map(|cell| {
+        let [row, column] = [cell / width, cell % width].map(|index| u32::try_from(index).unwrap_or(u32::MAX));
+        let bytes = cloud.point(row, column)?;
+        let [x, y, z] = axes.map(|axis| axis.of(bytes));
+        let ring = ring.of(bytes).filter(|ring| ring.is_finite())?;
+        is_return([x?, y?, z?]).then(|| ring.to_bits())
+    });
+    let values: BTreeSet<u64> = values.collect();
+    // More are no rings.
+    (1..=MAX_RINGS).find(|count| *count as usize == values.len())
+}
+
 /// What is kept of a cloud; `None` where its points have no coordinates.
 fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<CloudContent> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields);
-    let ring = RING_FIELDS.iter().find_map(|name| cloud.column(name));
-    let mut rings = BTreeSet::new();
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);
@@ -222,16 +255,12 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
                 break;
             };
             let xyz = [x, y, z];
-            if !xyz.iter().all(|value| value.is_finite()) || xyz.iter().all(|value| *value == 0.0) {
+            if !is_return(xyz) {
                 continue;
             }
             farthest = xyz.iter().fold(farthest, |most, value| most.max(value.abs()));
             let time = time.and_then(|(_, column)| column.of(bytes)).unwrap_or(f64::NAN);
             times.push(time);
-            let ring = ring.and_then(|column| column.of(bytes)).filter(|ring| ring.is_finite());
-            if rings.len() < MAX_RINGS as usize {
-                rings.extend(ring.map(f64::to_bits));
-            }
             points.push(CloudPoint {
                 xyz,
                 cell: [row, column],
@@ -252,13 +281,11 @@ fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Clo
     });
     Some(CloudContent {
         size: [cloud.height, cloud.width],
-        rings: match rings.len() {
-            // Some drivers write a row for each firing.
-            0 => (2..=cloud.width.min(MAX_RINGS))
-                .contains(&cloud.height)
-                .then_some(cloud.height),
-            rings => u32::try_from(rings).ok(),
-        },
+        // Some drivers write a row for each firing.
+        rings: rings(cloud, axes).or_else(|| {
+            let is_ring = (2..=cloud.width.min(MAX_RINGS)).contains(&cloud.height);
+            is_ring.then_some(cloud.height)
+        }),
         returns: points.len() as u64,
         looked_at,
         points,
@@ -338,6 +365,26 @@ mod tests {
         );
         assert!((times.range[1] - 0.1).abs() < 1e-6 && times.range[0].abs() < 1e-12);
         assert_eq!(found.farthest.map(|(_, farthest)| farthest), Some(9.0));
+    }
+
+    #[test]
+    fn each_ring_is_counted_however_the_points_are_ordered() {
+        for [rings, columns] in [[16, 256], [65, 512], [128, 1024], [128, 2048]] {
+            let point = |ring: u32| [1.0, 2.0, 3.0, ring as f32];
+            let by_rings = || (0..rings).flat_map(|ring| (0..columns).map(move |_| point(ring)));
+            let by_firings = || (0..columns).flat_map(|_| (0..rings).map(point));
+            for (size, points) in [
+                ([rings, columns], by_rings().collect::<Vec<_>>()),
+                ([columns, rings], by_firings().collect()),
+                ([1, rings * columns], by_rings().collect()),
+                ([1, rings * columns], by_firings().collect()),
+            ] {
+                let data = bytes(&points);
+                let mut cloud = cloud(size, &data);
+                cloud.fields[3].name = "ring".into();
+                assert_eq!(evidence([cloud]).samples[0].rings, Some(rings), "{size:?}");
+            }
+        }
     }
 
     #[test]

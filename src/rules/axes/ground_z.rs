@@ -73,7 +73,7 @@ impl LidarMount {
             return Err((NotEvaluated::MissingInput, "the clouds have no `frame_id`".to_owned()));
         };
         let Some(mount) = mount(world, &frame) else {
-            let why = format!("`{frame}` is not tied to a base: add a URDF or record `/tf_static`");
+            let why = format!("`{frame}` is not tied to a base such as `base_link`: add a URDF or record `/tf_static`");
             return Err((NotEvaluated::MissingInput, why));
         };
         let sensor = if mount.is_base {
@@ -404,7 +404,8 @@ fn judge_tilt(
         ))
         .measured(measured)
         .help(format!(
-            "on level ground, turn the mounting by roll {roll_deg:+.1} deg and pitch {pitch_deg:+.1} deg about the axes of `{}`; otherwise calibrate it",
+            "on level ground, multiply the transform of the lidar in `{}` from the left by a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg; \
+             otherwise calibrate it",
             over.base
         ));
     out.fail(finding);

@@ -64,7 +64,7 @@ fn clockwise(imu: &Imu, subject: &str, decided: &HeadingFit, diagnosis: &Diagnos
     let zero = if !decided.is_geodetic {
         "This track does not know east, so the zero of the yaw is not compared.".to_owned()
     } else if (offset - 90.0).abs() <= 30.0 {
-        format!("The offset of {offset:.0} deg would also be that of a heading counted from north.")
+        format!("Yaw minus course is {offset:.0} deg.")
     } else {
         format!("The offset is {offset:.0} deg, while a heading counted from north has 90 deg.")
     };

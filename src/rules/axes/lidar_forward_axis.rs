@@ -3,6 +3,7 @@
 use crate::advice::places::with_mounting;
 use crate::analysis::axes::forward::{Limits, Yaw, look};
 use crate::analysis::{hand_eye::HandEye, lidar::Clouds, sensor::lidar_turn, sensor::lidar_turn::Origin};
+use crate::math::circular::difference;
 use crate::rules::prelude::*;
 
 pub(crate) struct LidarForwardAxis;
@@ -55,6 +56,8 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         yaw.off_deg.to_radians(),
         error_rad,
     );
+    let (_, _, stated_rad) = known.stated.rotation.euler_angles();
+    let stated_deg = stated_rad.to_degrees();
     let message = format!(
         "`{}_from_{}` is missing a yaw of {:+.1} deg, by the scans on `{}`",
         known.body, known.lidar, yaw.off_deg, clouds.topic.topic
@@ -74,8 +77,11 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .detail(detail)
         .related(known.poses.1.clone(), "compared with this motion")
         .help(format!(
-            "rotate the mounting by {:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation",
-            yaw.off_deg, known.body
+            "rotate the mounting by {:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation; the yaw {stated_deg:.1} deg \
+             becomes {:.1} deg",
+            yaw.off_deg,
+            known.body,
+            difference(stated_deg.to_radians() + yaw.off_deg.to_radians(), 0.0).to_degrees()
         ))
         .unless(codes::CROSS04);
     let origin = quarters.and_then(|quarters| lidar_turn::origin(world, clouds, known, quarters));

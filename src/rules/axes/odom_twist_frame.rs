@@ -84,9 +84,13 @@ fn fail_pose(
     };
     let message = format!("`{}`: {words}", stream.topic);
     let measured = |reading: (Reading, f64)| {
-        Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
-            .limit(limits.max_residual)
-            .samples(twists.windows)
+        Measured::new(
+            format!("residual if the velocity is read as {}", reading.0.word()),
+            reading.1,
+            "1",
+        )
+        .limit(limits.max_residual)
+        .samples(twists.windows)
     };
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(format!(
         "As published, {:.0} % of the pose's motion contradicts the velocity; corrected, {:.1} %. No other reading of the velocity explains it.",
@@ -102,7 +106,7 @@ fn fail_pose(
             .help(help)
             .measured(measured(best))
             .measured(measured(second))
-            .measured(Measured::new("residual, as defined", as_defined, "1"))
+            .measured(Measured::new("residual as published", as_defined, "1"))
             .measured(Measured::new("distance", twists.distance_m, "m")),
     );
 }
@@ -126,9 +130,13 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         return;
     };
     let measured = |reading: &(Reading, f64)| {
-        Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
-            .limit(limits.max_residual)
-            .samples(twists.windows)
+        Measured::new(
+            format!("residual if the velocity is read as {}", reading.0.word()),
+            reading.1,
+            "1",
+        )
+        .limit(limits.max_residual)
+        .samples(twists.windows)
     };
     if best.1 > limits.max_residual {
         let (times, left) = twists.scale;
@@ -194,7 +202,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             .help(best.0.help())
             .measured(measured(best))
             .measured(measured(second))
-            .measured(Measured::new("residual, as defined", as_defined, "1"))
+            .measured(Measured::new("residual as published", as_defined, "1"))
             .measured(Measured::new("distance", twists.distance_m, "m")),
     );
 }

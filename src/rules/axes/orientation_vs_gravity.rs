@@ -62,8 +62,8 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp,
         ),
         _ => format!("It is {along_z:+.2} m/s2 along world z."),
     };
-    let otherwise = "look at one message at rest and level: `R(q) * acceleration` is +9.81 m/s2 along z (REP-145). If not, check that orientation and \
-         acceleration are in the same axes, then the filter that computes the orientation";
+    let otherwise = "look at the raw acceleration at rest and level. If it is about -9.81 m/s2 along z, the driver publishes gravity or axes with z down: \
+         negate it, or convert FRD to FLU. If it is +9.81 m/s2, the orientation is wrong: convert it from NED to ENU, or check the filter that computes it";
     let finding = Finding::new(severity, subject, message, imu.stream.place())
         .likely()
         .detail(detail);

@@ -41,6 +41,10 @@ impl Rule for StaticTransformArguments {
             match refused(publisher) {
                 Some((message, detail, help)) => {
                     let count = Measured::count("arguments", publisher.arguments as usize);
+                    let count = match needed(publisher) {
+                        Some(needed) => count.expected(needed),
+                        None => count,
+                    };
                     let finding = Finding::error(subject, message, publisher.place.clone());
                     out.fail(finding.detail(detail).help(help).measured(count));
                 }
@@ -91,6 +95,17 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         )),
         _ => None,
     }
+}
+
+/// How many arguments the program takes in the form in which they are written.
+fn needed(publisher: &StaticPublisher) -> Option<f64> {
+    let numbers = match publisher.form? {
+        ArgumentForm::Angles => 6,
+        ArgumentForm::Quaternion => 7,
+        ArgumentForm::Flags => return None,
+    };
+    let period = u32::from(publisher.package.as_deref() == Some("tf"));
+    Some(f64::from(numbers + 2 + period))
 }
 
 /// Claims by place and label; the first of several.

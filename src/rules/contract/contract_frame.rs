@@ -57,7 +57,12 @@ fn judge_all<'w>(
         let allowed = allowed.join(" or ");
         let count = frames.iter().filter(|(frame, _)| !wanted.contains(&frame.canonical()));
         let count: u64 = count.map(|(_, frame)| frame.count).sum();
-        let message = format!("`{name}` has {key} `{frame}` instead of {allowed}");
+        let some = if count < read {
+            format!(" in {count} of {read} messages")
+        } else {
+            String::new()
+        };
+        let message = format!("`{name}` has {key} `{frame}` instead of {allowed}{some}");
         let finding = Finding::error(&term.subject, message, term.terms.place.clone())
             .label("frame by the contract")
             .help(format!("publish `{name}` with {key} {allowed}; {MEANT}"))

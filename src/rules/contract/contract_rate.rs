@@ -39,9 +39,12 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
         );
     }
     let Some([least, most]) = bag.rate_hz(topic) else {
+        let count = topic.total.unwrap_or(topic.count);
         return out.too_little(
             term.subject.as_str(),
-            "10 messages, 5 s of recording and the number of its messages are needed",
+            format!(
+                "it has {count} messages; 10 are needed, and 5 s from the first of them to the end of the recording"
+            ),
         );
     };
     // Of the rates that it may have, the one nearest to the contract.
@@ -61,6 +64,16 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     let message = stopped.as_ref().map_or(message, |stopped| {
         format!("`{name}` {stopped}; it should go on with {wanted_hz} Hz")
     });
+    let gap_s = topic
+        .stamps
+        .largest_gap
+        .as_ref()
+        .map_or(0.0, |(gap_ns, _)| *gap_ns as f64 / 1e9);
+    let message = if stopped.is_none() && percent < 0.0 && gap_s > PAUSED / rate_hz {
+        format!("{message}, with a gap of {gap_s:.1} s")
+    } else {
+        message
+    };
     let help = if stopped.is_some() {
         "find out what stopped its messages"
     } else if percent < 0.0 {
@@ -80,6 +93,8 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     out.fail(finding);
 }
 
+/// A gap of so many steps is stated.
+const PAUSED: f64 = 10.0;
 /// Share of a recording at its end without a message from which on a topic stopped.
 const STOPPED: f64 = 0.1;
 

@@ -36,8 +36,8 @@ struct Compared<'w> {
     measured: Vec<Measured>,
     /// Differences in words, each with a message that has it.
     other: Vec<(String, &'w MessageRef)>,
-    /// Keys of the contract that nothing was read of.
-    unknown: Vec<&'static str>,
+    /// Keys of the contract that are not decided, and why, as clauses.
+    unknown: Vec<String>,
 }
 
 fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Judge) {
@@ -55,7 +55,7 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
     for (key, wanted, seen) in counts {
         let Some(wanted) = wanted else { continue };
         let Some((count, at)) = seen else {
-            found.unknown.push(key);
+            found.unread(key);
             continue;
         };
         let share = f64::from(count) / f64::from(wanted.max(1));
@@ -67,8 +67,11 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
         };
         if share > limits.max_ratio || share <= least {
             found.other.push((format!("{count} {key} instead of {wanted}"), at));
-        } else if share < 1.0 / limits.max_ratio {
-            found.unknown.push("rings");
+        } else if key == "rings" && (share < 1.0 / limits.max_ratio || count > wanted) {
+            let why = "a ring whose rays all miss has no points";
+            found
+                .unknown
+                .push(format!("rings: {count} have points, {wanted} by the contract; {why}"));
         }
         found
             .measured
@@ -83,7 +86,9 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
         let (lacks, at) = lacking.find(|(lacks, _)| !lacks.is_empty()).unzip();
         let lacks = lacks.unwrap_or_default();
         if let Some(at) = at {
-            found.other.push((format!("points without {}", lacks.join(", ")), at));
+            found
+                .other
+                .push((format!("no field {} in its points", lacks.join(", ")), at));
         }
         found.counted("fields", "fields that points lack", (&seen.fields, lacks.len()));
     }
@@ -91,9 +96,13 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
 }
 
 impl Compared<'_> {
+    fn unread(&mut self, key: &str) {
+        self.unknown.push(format!("{key}: no message has one"));
+    }
+
     fn counted<T>(&mut self, key: &'static str, what: &str, (seen, count): (&[T], usize)) {
         if seen.is_empty() {
-            self.unknown.push(key);
+            self.unread(key);
         } else {
             self.measured.push(Measured::count(what, count).limit(0.0));
         }
@@ -106,18 +115,15 @@ fn report(term: &Term, (source, unread): (SourceId, Option<&str>), found: Compar
         if found.unknown.is_empty() {
             return out.pass(subject, found.measured);
         }
-        let why = unread.unwrap_or("no message has them, or only some of the rings have points");
-        return out.too_little(
-            subject,
-            format!("not known: its {}: {why}", found.unknown.join(" and ")),
-        );
+        let why = unread.map_or_else(|| found.unknown.join("; "), str::to_owned);
+        return out.too_little(subject, why);
     };
     let words: Vec<&str> = found.other.iter().map(|(words, _)| words.as_str()).collect();
     let message = format!("`{}` has {}", term.name, words.join(", "));
     let finding = Finding::error(subject, message, term.terms.place.clone())
         .label("sensor by the contract")
         .help(format!(
-            "find out whether the sensor was replaced, or set up in another way; {MEANT}"
+            "find out whether the sensor or its driver was replaced, or set up in another way; {MEANT}"
         ))
         .measured(found.measured)
         .related(Place::message(source, (*at).clone()), "first message with it");

@@ -55,10 +55,23 @@ impl Rule for ContractTransform {
             ));
         } else {
             for term in missing {
-                let message = format!(
-                    "`{}` -> `{}` of the contract is not in the recording",
-                    term.0.0, term.0.1
-                );
+                let (parent, child) = term.0;
+                let is_renamed = |(_, edge): &(SourceId, &TfEdge)| is_renamed(world, &term, edge, limits);
+                let message = match (moved(world, &[term]).first(), edges(world).find(is_renamed)) {
+                    (Some((_, edge)), _) => {
+                        format!(
+                            "`{parent}` -> `{child}` of the contract is not in the recording: there its parent is `{}`",
+                            edge.parent
+                        )
+                    }
+                    (None, Some((_, edge))) => {
+                        format!(
+                            "`{parent}` -> `{child}` of the contract is not in the recording: `{}` has this transform there",
+                            edge.child
+                        )
+                    }
+                    (None, None) => format!("`{parent}` -> `{child}` of the contract is not in the recording"),
+                };
                 out.fail(absent(world, subject(term.0), message, &[term]));
             }
         }
@@ -117,7 +130,9 @@ fn judge_values((frames, terms): Term, values: &[(SourceId, &TfSample)], limits:
     );
     let mut finding = Finding::error(subject(frames), message, terms.place.clone())
         .label("value by the contract")
-        .detail(relation.map_or("", Relation::describe))
+        .detail(relation.map_or_else(String::new, |relation| {
+            format!("A known error that explains the difference: {}", relation.describe())
+        }))
         .help(format!(
             "find out whether the sensor was moved, or its transform changed; {MEANT}"
         ))
@@ -136,21 +151,45 @@ fn absent(world: &World, subject: String, message: String, terms: &[Term]) -> Fi
     let place = first
         .or_else(|| bag.clone())
         .unwrap_or_else(|| Place::whole(SourceId(0)));
+    let help = match (moved(world, terms).is_empty(), terms.len()) {
+        (false, _) => "find out why its parent changed: a child has one parent",
+        (true, 1) => "publish it, on `/tf_static` if it does not change, and record that",
+        (true, _) => "find out whether `/tf_static` was recorded and published",
+    };
     let finding = Finding::error(subject, message, place)
         .label("not recorded")
-        .help(format!(
-            "publish it, on `/tf_static` if it does not change, and record that; {MEANT}"
-        ))
+        .help(format!("{help}; {MEANT}"))
         .measured(Measured::count("transforms of the contract that are missing", terms.len()).limit(0.0));
-    let is_moved = |(_, edge): &(SourceId, &TfEdge)| {
-        let is_child = |term: &Term| term.0.1 == edge.child.canonical();
-        terms.iter().any(is_child)
-    };
-    let elsewhere: Vec<(SourceId, &TfEdge)> = edges(world).filter(is_moved).take(MAX_PLACES).collect();
-    let finding = elsewhere.iter().fold(finding, |finding, (source, edge)| {
+    let finding = moved(world, terms).iter().fold(finding, |finding, (source, edge)| {
         let note = format!("`{}` has the parent `{}` here", edge.child, edge.parent);
         finding.related(Place::message(*source, edge.first_at.clone()), note)
     });
     bag.into_iter()
         .fold(finding, |finding, bag| finding.related(bag, "without the transform"))
+}
+
+/// Transforms to the children of these terms from other parents.
+fn moved<'w>(world: &'w World, terms: &[Term]) -> Vec<(SourceId, &'w TfEdge)> {
+    let is_moved = |(_, edge): &(SourceId, &TfEdge)| {
+        let is_child = |term: &Term| term.0.1 == edge.child.canonical();
+        terms.iter().any(is_child)
+    };
+    edges(world).filter(is_moved).take(MAX_PLACES).collect()
+}
+
+/// Whether a transform that is not of the contract has the parent and the value of this one.
+fn is_renamed(world: &World, (frames, terms): &Term, edge: &TfEdge, limits: &Limits) -> bool {
+    let known = |child: FrameId| {
+        let mut all = world.conventions.contract.transforms.keys();
+        all.any(|frames| frames.1 == child)
+    };
+    let is_same = |sample: &TfSample| {
+        let by = terms.pose.inv_mul(&sample.pose.isometry());
+        by.translation.vector.norm() * 1000.0 <= limits.tolerance_mm
+            && by.rotation.angle().to_degrees() <= limits.tolerance_deg
+    };
+    edge.extreme.is_none()
+        && edge.parent.canonical() == frames.0
+        && !known(edge.child.canonical())
+        && edge.first().is_some_and(is_same)
 }

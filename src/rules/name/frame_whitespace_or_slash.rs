@@ -134,7 +134,7 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
         .label(fault.words())
         .detail(detail)
         .help(help.clone())
-        .measured(Measured::new("uses", count as f64, "count").limit(0.0));
+        .measured(Measured::new("uses of such names", count as f64, "count").limit(0.0));
     // Where both spellings are links, renaming one would make two links of one name.
     let edits: Option<Vec<_>> = names
         .iter()

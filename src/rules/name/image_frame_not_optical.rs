@@ -23,7 +23,7 @@ impl Rule for ImageFrameNotOptical {
 
 fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Camera, limits: &Limits, out: &mut Judge) {
     let subject = format!("camera frame `{frame}` of {}", world.path(bag.source));
-    let messages = Measured::new("messages", camera.count as f64, "count").samples(camera.count);
+    let messages = Measured::new("images with this frame", camera.count as f64, "count").samples(camera.count);
     if frame.has_token("optical") {
         return out.pass(subject, [messages]);
     }

@@ -40,7 +40,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         return out.too_little(subject, why);
     };
     // In float32, times in seconds since 1970 do not change during a scan: their size shows the unit.
-    let is_epoch_s = (1e8..1e11).contains(&largest);
+    let is_epoch_s = times.datatype.starts_with("float") && (1e8..1e11).contains(&largest);
     let unit_s = match clouds.unit(times) {
         Some((unit_s, _)) => unit_s,
         None if is_epoch_s => 1.0,

@@ -180,7 +180,7 @@ fn contradiction(
         (
             "body",
             format!(
-                "The mounting by the transforms is taken into account ({tied}), so only the worlds could differ; the difference is steadier as a rotation of the body. One of the two has other body axes, or its world was changed by multiplying on the wrong side; which of the two is wrong cannot be seen."
+                "By the transforms both are of one body ({tied}), so they should differ at most by a constant rotation of their worlds. They differ by a constant rotation of the body instead. Causes: a rotation is missing in the mounting of a sensor; one of the two has other body axes, such as FRD; or its poses were moved to another world by multiplying from the wrong side. Which of the two is wrong cannot be seen."
             ),
             "if a sensor is mounted with that rotation, add it to the sensor's transform; if one of the two is of another body (such as FRD), \
              give it its own `child_frame_id` and a transform; if its poses were moved to another world, multiply from the left: \
@@ -190,8 +190,7 @@ fn contradiction(
         (
             "world",
             format!(
-                "Both are expressed in `{}`, so only the bodies could differ; the difference is steadier as a rotation of the world. One of the two has another world, or its body was changed by \
-                 multiplying on the wrong side; which of the two is wrong cannot be seen.",
+                "Both are expressed in `{}`, so they should differ at most by a constant rotation of their bodies. They differ by a constant rotation of the world instead. Causes: one of the two has another world; or its body was changed by multiplying from the wrong side. Which of the two is wrong cannot be seen.",
                 name(&a.world)
             ),
             "rename one of the two worlds and tie them by TF; multiply a change of the body from the right, \

@@ -65,9 +65,12 @@ fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right
         "normalise it: a reader that does not normalise scales and shears what it rotates"
     };
     let place = cover(stated.literals, &stated.place);
+    let [x, y, z, w] = stated.xyzw;
     let finding = Finding::new(severity, stated.subject(world), message, place)
         .label(format!("norm {norm:.6}"))
-        .detail(format!("Rounding to the printed digits explains {allowed:.1e}."))
+        .detail(format!(
+            "The numbers are read as x {x}, y {y}, z {z}, w {w}. Rounding to the printed digits explains a difference of {allowed:.1e}."
+        ))
         .help(help)
         .measured(measured);
     if error.abs() >= limits.fix {

@@ -88,12 +88,10 @@ impl Review for RotationErrorBudget {
             1 => "One more finding has such numbers for its angle.".to_owned(),
             count => format!("{count} more findings have such numbers for their angles."),
         };
-        let message = format!(
-            "the {turn_deg:.2} deg of {} move points sideways by {}",
-            finding.rule,
-            moved.join(", ")
-        );
+        let (rule, moved) = (&finding.rule, moved.join(", "));
+        let message = format!("the {turn_deg:.2} deg of {rule} move points by {moved}");
         let note = Finding::note(subject, message, primary.place.clone())
+            .detail(format!("The angle is that of this finding: {}.", finding.message))
             .detail(more)
             .help("compare r * sin(angle) with the accuracy that the map, the labels or the planner need at the relevant ranges")
             .measured(Measured::new("angle", turn_deg, "deg"));

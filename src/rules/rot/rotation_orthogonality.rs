@@ -85,9 +85,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let help = match scale {
         _ if is_singular => "correct the missing or misplaced entry",
         Some(_) => "divide the rotation by the scale factor: an extrinsic is a rigid transform",
-        None => {
-            "export the matrix again from its source, or correct the wrong entry: the digits that are printed do not explain the error"
-        }
+        None => "export the matrix again from its source, or correct the wrong entry",
     };
     let mut finding = Finding::new(severity, parts.subject(world), message, parts.claim.place.clone())
         .label("not orthonormal")
@@ -107,7 +105,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(
         Measured::new(
-            "angle to the nearest rotation, which the fix may write",
+            "change of the rotation by the fix, which is offered up to the limit",
             moved_deg,
             "deg",
         )

@@ -1,8 +1,11 @@
 //! TIME11: a recording is newer than the table of leap seconds that it is judged by.
 
+use std::time::{Duration, UNIX_EPOCH};
+
 use crate::analysis::time::streams::{Clock, log_clock};
 use crate::rules::prelude::*;
 use crate::tables::leap_seconds;
+use crate::verdict::waiver::Day;
 
 pub(crate) struct LeapTableExpiry;
 
@@ -44,11 +47,24 @@ impl Rule for LeapTableExpiry {
             out.fail(
                 Finding::note(subject, message, Place::whole(bag.source))
                     .detail(format!(
-                        "GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since the table's end."
+                        "It ends on {}, the table on {}. GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since then.",
+                        day(end_ns / 1_000_000_000),
+                        day(table.expires.unix_s)
                     ))
                     .help("install a newer release of frames-lint; until then, an offset from leap seconds may be wrong by one second. If the recording is not that new, its clock was wrong")
                     .measured(measured),
             );
         }
     }
+}
+
+/// The date of a time of the calendar, seconds.
+fn day(unix_s: i64) -> String {
+    let since = Duration::from_secs(unix_s.unsigned_abs());
+    let moment = if unix_s < 0 {
+        UNIX_EPOCH.checked_sub(since)
+    } else {
+        UNIX_EPOCH.checked_add(since)
+    };
+    moment.map_or_else(|| "?".to_owned(), |moment| Day::of(moment).as_str().to_owned())
 }

@@ -3,7 +3,7 @@
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::{lidar::Clouds, names};
 use crate::rules::prelude::*;
-use crate::tables::RING_FIELDS;
+use crate::world::cloud::RING_FIELDS;
 use crate::world::motion::{FixRow, PoseRow};
 
 pub(crate) struct PointTimeMissing;

@@ -109,7 +109,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let finding = Finding::warning(subject, message, Place::message(bag.source, place))
         .likely()
         .label("largest deviation from a straight line")
-        .detail("tf2 interpolates linearly between two transforms. The error is how far a transform lies from the line between its neighbours (99th percentile).")
+        .detail("tf2 interpolates linearly between two transforms. The error is how far the path between two transforms bends away from that line, by its acceleration (99th percentile).")
         .help(help);
     out.fail(finding.measured(measured));
 }

@@ -68,6 +68,7 @@ fn finding(
 ) -> Option<Finding> {
     let (link, first) = missing.first()?;
     let message = match missing.len() {
+        1 if !is_slip => format!("the only mesh of robot `{}` has no file", robot.name.value),
         n if !is_slip => format!("none of the {n} meshes of robot `{}` has its file", robot.name.value),
         1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
         n => format!("{n} meshes have no file, the first is that of `{}`", link.name.value),

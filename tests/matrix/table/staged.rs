@@ -31,7 +31,7 @@ pub static ERRORS: &[StagedFault] = &[
     earth!("earth>map lat/lon", LatLonSwapped, "lat-lon-swapped"),
     error!(
         "origin 20 km away",
-        Change::Staged(&EARTH, |world, stream| stages::move_earth(world, stream, 0.18)),
+        Change::Staged(&EARTH, |world, stream| stages::move_earth(world, stream, 0.135)),
         ["far-from-origin"],
         [],
         ["GEO05"]

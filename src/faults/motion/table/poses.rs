@@ -21,8 +21,8 @@ const WITH_COVARIANCE: &str = "the poses with the covariances that their node co
 /// To record for a correction.
 const WITH_CORRECTION: &str =
     "`map` -> `odom` on /tf, satellite fixes or a map beside it, on a drive of some hundred metres";
-/// How far the origin of a plane is to the south, degrees: 20 km.
-const FAR_DEG: f64 = 0.18;
+/// How far the origin of a plane is to the south, degrees: 15 km.
+const FAR_DEG: f64 = 0.135;
 
 /// A mistake, by its name, sentence, need, change, relations, texts, rules that should see it, and what to record.
 macro_rules! pose {
@@ -402,7 +402,7 @@ pub(super) static ON_THE_EARTH: &[Fault] = &[
     fault!(
         Pose,
         "pose-origin-far",
-        "The origin of the poses' frame is 20 km away: the ground is not in its tangent plane.",
+        "The origin of the poses' frame is 15 km away: the ground is not in its tangent plane.",
         PlaceChange(|pose| Some(pose.in_plane_south(FAR_DEG))),
         ["tangent-plane", "far-from-origin"],
         [],

@@ -34,7 +34,9 @@ pub(super) fn judge((imu, sensor): (&Imu, &Sensor), subject: String, why: &str, 
         samples: fit.slope.pairs,
         is_kinematic: true,
     });
-    let witnesses: Vec<Witness> = by_course.into_iter().chain(by_gravity(imu, limits)).collect();
+    let tilting = tilting(imu);
+    let by_gravity = tilting.as_ref().and_then(|found| by_gravity(found, limits));
+    let witnesses: Vec<Witness> = by_course.into_iter().chain(by_gravity).collect();
     let units = [
         (1.0, None),
         (1f64.to_radians(), Some(IN_DEGREES)),
@@ -47,14 +49,20 @@ pub(super) fn judge((imu, sensor): (&Imu, &Sensor), subject: String, why: &str, 
     };
     let decided = witnesses.iter().find_map(|found| Some((found, unit(found)?)));
     let Some((found, wrong)) = decided else {
-        let why = match witnesses.first() {
-            Some(found) => format!(
+        let why = if let Some(found) = witnesses.first() {
+            format!(
                 "{why}; {} rotates {:.3} times as far as the gyro, which neither rad/s nor deg/s explains: they may not rotate together",
                 found.words, found.gain
-            ),
-            None => format!(
-                "{why}; neither a course that turns nor gravity in its axes shows the unit: turn the sensor by hand, upside down and back, for 20 s"
-            ),
+            )
+        } else {
+            let [range_deg, correlation] = tilting.map_or([0.0; 2], |found| {
+                [found.range_rad.to_degrees(), found.correlation.abs()]
+            });
+            format!(
+                "{why}; no course turns with it, and gravity moves by {range_deg:.0} deg in its axes ({} needed), as by the gyro with a correlation of \
+                     {correlation:.2} ({} needed): turn the sensor by hand, upside down and back, for 20 s, or record a drive with turns and GNSS or odometry",
+                limits.min_range_deg, limits.min_tilting
+            )
         };
         return out.too_little(subject, why);
     };
@@ -82,8 +90,8 @@ pub(super) fn judge((imu, sensor): (&Imu, &Sensor), subject: String, why: &str, 
     out.fail(finding.measured(measured));
 }
 
-/// How gravity moves in the sensor's axes, if that follows its gyro.
-fn by_gravity(imu: &Imu, limits: &Limits) -> Option<Witness> {
+/// How gravity moves in the sensor's axes.
+fn tilting(imu: &Imu) -> Option<Tilting> {
     let force = imu.inertial.force.filter(|force| *force > 0.0)?;
     let windows = imu.stream.windows(WINDOW_S, MAX_STEP_S).into_iter().map(|window| {
         let rows = window.iter().map(|timed| {
@@ -93,7 +101,11 @@ fn by_gravity(imu: &Imu, limits: &Limits) -> Option<Witness> {
         rows.filter(|(_, gyro, force)| gyro.norm().is_finite() && force.norm().is_finite())
             .collect::<Vec<TiltRow>>()
     });
-    let found = Tilting::of(&windows.collect::<Vec<_>>(), force)?;
+    Tilting::of(&windows.collect::<Vec<_>>(), force)
+}
+
+/// The motion of gravity, if it follows the gyro.
+fn by_gravity(found: &Tilting, limits: &Limits) -> Option<Witness> {
     let turned_deg = found.turned_rad.to_degrees() * found.correlation.abs();
     // A vehicle that brakes leans a little, as if gravity turned a lot.
     let is_clear = found.range_rad.to_degrees() >= limits.min_range_deg

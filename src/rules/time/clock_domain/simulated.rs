@@ -15,9 +15,11 @@ pub(crate) fn explain_simulation(finding: &mut Finding, streams: usize) {
     finding.confidence = finding.confidence.min(Confidence::Likely);
     finding.message =
         format!("{streams} streams have stamps near {stamp_s:.1} s, but the log clock shows calendar time");
-    "Probably a simulation recorded in wall time, or a host whose clock was not set. Look-ups find no transforms when the recording is \
-     played back with a clock."
-        .clone_into(&mut finding.detail);
+    finding.detail = format!(
+        "The first of them is {}. Probably a simulation recorded in wall time, or a host whose clock was not set. Look-ups find no transforms \
+         when the recording is played back with a clock.",
+        finding.subject
+    );
     "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
         .clone_into(&mut finding.help);
 }
