@@ -262,12 +262,7 @@ fn is_held(bag: &BagEvidence, edge: &TfEdge, robots: &[&Robot]) -> bool {
             .is_some_and(|link| FrameId::new(&link.value).canonical() == child)
     };
     let is_fixed = joints.find(is_it).map(Joint::is_fixed);
-    let has_joints = || {
-        bag.topics
-            .values()
-            .any(|topic| topic.type_name() == "JointState" && has_messages(topic))
-    };
-    edge.count >= MIN_MESSAGES && edge.extreme.is_none() && is_fixed.unwrap_or_else(|| !has_joints())
+    edge.is_repeated() && is_fixed.unwrap_or_else(|| !bag.has_joint_states())
 }
 
 #[cfg(test)]

@@ -6,6 +6,8 @@
 use unicode_normalization::UnicodeNormalization;
 
 use crate::world::FrameId;
+use crate::world::frame_words::WORLDS;
+pub(crate) use crate::world::frame_words::{has_word, has_word_of, is_moving_part, is_world};
 
 /// Words for lidars.
 pub(crate) const LIDARS: &[&str] = &["lidar", "laser", "velodyne", "ouster"];
@@ -55,9 +57,6 @@ const SENSORS: &[&[&str]] = &[
     ],
 ];
 
-/// Words of frames that are fixed to the world, or drift slowly against it.
-const WORLDS: &[&str] = &["earth", "world", "map", "odom", "utm", "ecef", "global"];
-
 /// Words of a platform's base frame.
 const BASES: &[&str] = &[
     "base",
@@ -75,12 +74,6 @@ const BASES: &[&str] = &[
     "torso",
     "cog",
     "vut",
-];
-
-/// Words of parts that are meant to move, with or without a URDF.
-const MOVING: &[&str] = &[
-    "wheel", "caster", "steering", "arm", "shoulder", "elbow", "wrist", "gripper", "finger", "hand", "joint", "pan",
-    "tilt", "ptz", "head", "neck", "hip", "knee", "ankle", "leg", "turret", "gimbal", "servo",
 ];
 
 /// The frames of REP-105 that have an order, from the root down.
@@ -110,30 +103,10 @@ pub(crate) fn standard(frame: &FrameId) -> Option<(&str, Standard)> {
     Some((namespace, kind))
 }
 
-/// Whether one of the words is a token of the name, apart from digits after it: `lidar_2`, `cam0` and `FrontLidar` have
-/// the tokens `lidar`, `cam`, `lidar`.
-pub(crate) fn has_word(frame: &FrameId, words: &[&str]) -> bool {
-    has_word_of(frame, &[words])
-}
-
-/// [`has_word`] of several lists.
-pub(crate) fn has_word_of(frame: &FrameId, lists: &[&[&str]]) -> bool {
-    frame.tokens().iter().any(|token| {
-        let stem = token.trim_end_matches(|c: char| c.is_ascii_digit());
-        let mut words = lists.iter().copied().flatten();
-        words.any(|word| *word == stem || word == token)
-    })
-}
-
 /// Whether the name is that of a sensor and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
 pub(crate) fn is_sensor(frame: &FrameId) -> bool {
     let says_more = [WORLDS, BASES, &["init", "pose", "mount", "bracket", "holder", "plate"]];
     has_word_of(frame, SENSORS) && !has_word_of(frame, &says_more)
-}
-
-/// Whether the name is that of a world-like frame.
-pub(crate) fn is_world(frame: &FrameId) -> bool {
-    has_word(frame, WORLDS)
 }
 
 /// Whether the name is that of a platform's base frame.
@@ -145,11 +118,6 @@ pub(crate) fn is_base(frame: &FrameId) -> bool {
 pub(crate) fn is_device(frame: &FrameId) -> bool {
     let things = ["sensor", "device", "tracker", "scanner", "marker", "tag", "pose"];
     has_word_of(frame, SENSORS) || has_word_of(frame, &[CAMERAS, &things])
-}
-
-/// Whether the name is that of a part that is meant to move.
-pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
-    has_word(frame, MOVING)
 }
 
 /// Whether a topic is, by its name, a command or plan instead of a measurement.

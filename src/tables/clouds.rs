@@ -14,6 +14,9 @@ pub struct CloudDriver {
     pub name: String,
     /// Fields that a point must have, with their types; `any` for any.
     fields: BTreeMap<String, String>,
+    /// Words in the names around a topic by which it is known where others write the same fields; empty where none do.
+    #[serde(default)]
+    words: Vec<String>,
     /// The times of its points; `None` if it publishes none.
     #[serde(default)]
     pub time: Option<PointTime>,
@@ -62,12 +65,27 @@ pub enum Sweep {
     CounterClockwise,
 }
 
+impl Sweep {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Clockwise => "clockwise",
+            Self::CounterClockwise => "counter-clockwise",
+        }
+    }
+}
+
 /// Types of numbers of a point, as `PointField` has them.
 const DATATYPES: [&str; 9] = [
     "any", "int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64",
 ];
 
 impl CloudDriver {
+    /// Whether the words around a topic name it, or its fields are its alone.
+    pub fn is_among(&self, words: &[String]) -> bool {
+        self.words.is_empty() || self.words.iter().any(|word| words.contains(word))
+    }
+
     /// Whether points with these fields, each with its type, are its.
     pub(super) fn fits(&self, known: &BTreeMap<&str, &str>) -> bool {
         let has = |(name, datatype): (&String, &String)| {

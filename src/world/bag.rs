@@ -315,6 +315,12 @@ impl TfEdge {
         }
     }
 
+    /// Whether it is published again and again with one value on a topic for what moves, as `static_transform_publisher` of ROS 1 does.
+    pub fn is_repeated(&self) -> bool {
+        const MIN_COUNT: u64 = 10;
+        !self.is_static && self.count >= MIN_COUNT && self.extreme.is_none()
+    }
+
     /// The first valid sample.
     pub fn first(&self) -> Option<&TfSample> {
         self.samples.first()
@@ -439,6 +445,12 @@ impl BagEvidence {
         let [long_s, short_s] = [earliest, first].map(|from| end.saturating_sub(from) as f64 / 1e9);
         let over = |seconds: f64| steps as f64 / seconds;
         (count >= MIN_MESSAGES && short_s >= MIN_S).then(|| [over(long_s), over(short_s)])
+    }
+
+    /// Whether joints of the platform are published.
+    pub fn has_joint_states(&self) -> bool {
+        let mut topics = self.topics.values();
+        topics.any(|topic| topic.type_name() == "JointState" && topic.total.unwrap_or(0).max(topic.count) > 0)
     }
 
     /// The part of the messages that was examined, 0 to 1, if that is not all of them.

@@ -15,6 +15,7 @@ use crate::source::SourceId;
 use super::World;
 use super::claim::{Claim, ClaimKind};
 use super::frame::{FrameId, FrameRole};
+use super::frame_words::{is_moving_part, is_world};
 use super::rigid::Rigid;
 
 /// The statement from which an edge comes.
@@ -37,7 +38,7 @@ pub struct Edge {
     pub child: FrameId,
     /// The statement.
     pub origin: EdgeOrigin,
-    /// Whether the edge is declared constant (fixed joint, static TF).
+    /// Whether the edge is constant: a fixed joint, static TF, or TF of one value that is none of a joint or of a world.
     pub is_rigid: bool,
     /// `parent_from_child`, where known: for moving edges the zero position or the first sample.
     pub pose: Option<Isometry3<f64>>,
@@ -127,13 +128,28 @@ impl FrameGraph {
 
     /// With the edges of recorded TF.
     fn recorded(world: &World, mut edges: Vec<Edge>) -> Self {
+        let joints: BTreeMap<FrameId, bool> = (world.claims.iter())
+            .filter_map(|claim| match claim.kind {
+                ClaimKind::Joint { fixed, .. } => Some((claim.source_frame()?.canonical(), fixed)),
+                ClaimKind::File { .. } => None,
+            })
+            .collect();
         for (bag_index, bag) in world.bags.iter().enumerate() {
+            let has_joint_states = bag.has_joint_states();
             for (index, tf) in bag.tf.iter().enumerate() {
+                let (parent, child) = (tf.parent.canonical(), tf.child.canonical());
+                // A joint that is held, and a world that was not corrected, have one value, too.
+                let is_fixed = || match joints.get(&child) {
+                    Some(is_fixed) => *is_fixed,
+                    None => {
+                        !has_joint_states && ![&parent, &child].into_iter().any(is_world) && !is_moving_part(&child)
+                    }
+                };
                 edges.push(Edge {
-                    parent: tf.parent.canonical(),
-                    child: tf.child.canonical(),
+                    is_rigid: tf.is_static || tf.is_repeated() && is_fixed(),
+                    parent,
+                    child,
                     origin: EdgeOrigin::Tf(bag_index, index),
-                    is_rigid: tf.is_static,
                     pose: tf.first().map(|sample| sample.pose.isometry()),
                 });
             }

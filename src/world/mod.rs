@@ -12,6 +12,7 @@ pub mod content;
 pub mod contract;
 pub mod conventions;
 pub mod frame;
+pub(crate) mod frame_words;
 pub mod graph;
 mod index;
 pub mod laser;

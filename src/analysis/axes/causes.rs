@@ -239,9 +239,10 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "mirrored",
-        text: "all of its data are expressed in left-handed axes (y to the right), or the track it is compared with is mirrored",
-        help: "negate y of the acceleration, x and z of the angular velocity and of the quaternion; or correct the order of latitude \
-               and longitude (or of x and y) in the track",
+        text: "either the track that it is compared with is mirrored (latitude and longitude swapped), or all data of the IMU are expressed in \
+               left-handed axes (y to the right); NED alone would show in gravity, too",
+        help: "plot the track on a map: if left curves are right curves there, correct the order of latitude and longitude (or of x and y), and leave \
+               the IMU as it is; only if the track is right, negate y of the acceleration, x and z of the angular velocity and of the quaternion",
         shown_by: Aspect::Heading,
         heading: &[Heading::Against],
         sense: &[Sense::Against],

@@ -15,7 +15,7 @@ use super::slices::Slices;
 use super::times::time_of;
 
 /// Points of a cloud whose rings are counted, about.
-const POINTS_OF_RINGS: u64 = 4096;
+const POINTS_OF_RINGS: u64 = 2048;
 /// No lidar has more rings; clouds with more rows are those of a depth camera.
 const MAX_RINGS: u32 = 256;
 
@@ -226,14 +226,20 @@ fn rings(cloud: &Cloud<'_>, axes: [Column; 3]) -> Option<u32> {
     }
     let width = u64::from(cloud.width);
     let cells = (0..all).step_by(usize::try_from(step).unwrap_or(usize::MAX));
-    let values = cells.filter_map(|cell| {
+    let mut values = BTreeSet::new();
+    for cell in cells {
         let [row, column] = [cell / width, cell % width].map(|index| u32::try_from(index).unwrap_or(u32::MAX));
-        let bytes = cloud.point(row, column)?;
-        let [x, y, z] = axes.map(|axis| axis.of(bytes));
-        let ring = ring.of(bytes).filter(|ring| ring.is_finite())?;
-        is_return([x?, y?, z?]).then(|| ring.to_bits())
-    });
-    let values: BTreeSet<u64> = values.collect();
+        let Some(bytes) = cloud.point(row, column) else {
+            continue;
+        };
+        let Some(ring) = ring.of(bytes).filter(|ring| ring.is_finite()) else {
+            continue;
+        };
+        let xyz = || axes.map(|axis| axis.of(bytes).unwrap_or(f64::NAN));
+        if !values.contains(&ring.to_bits()) && is_return(xyz()) {
+            values.insert(ring.to_bits());
+        }
+    }
     // More are no rings.
     (1..=MAX_RINGS).find(|count| *count as usize == values.len())
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use crate::advice::places::with_mounting;
 use crate::analysis::ground::{Ground, Planes, SIDES};
 use crate::analysis::{axes::plots, ground, lidar::Clouds, motion::Motion, motion::mount::mount};
 use crate::math::stats::{mad, median};
@@ -152,7 +153,7 @@ fn judge_over(
     (limits, up): (&Limits, &crate::analysis::ground::Limits),
     out: &mut Judge,
 ) {
-    let (motion, planes) = (&Motion::of(world), Planes::of(world));
+    let planes = Planes::of(world);
     let subject = clouds.subject("ground");
     let by_cloud = planes.grounds_by_cloud(clouds, &up.is_ground());
     let grounds: Vec<Ground> = by_cloud.iter().map(|(_, ground)| *ground).collect();
@@ -180,7 +181,7 @@ fn judge_over(
     out.plot(&subject, || over.plot(clouds, &by_cloud, side, limits));
     let Some(height) = over.height(&grounds) else { return };
     judge_height(clouds, over, &height, limits, out);
-    judge_tilt(motion, clouds, (over, &grounds), limits, out);
+    judge_tilt(world, clouds, (over, &grounds), limits, out);
 }
 
 fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Limits, out: &mut Judge) {
@@ -335,14 +336,14 @@ fn applied_already(
 }
 
 fn judge_tilt(
-    motion: &Motion,
+    world: &Estimates,
     clouds: &Clouds,
     (over, grounds): (&LidarMount, &[&Ground]),
     limits: &Limits,
     out: &mut Judge,
 ) {
     let subject = clouds.subject("level of the ground");
-    let way_m = way_m(motion, clouds);
+    let way_m = way_m(&Motion::of(world), clouds);
     if way_m < limits.min_way_m {
         let why = format!(
             "the platform moved only {way_m:.0} m, {} m are needed to distinguish a sloping ground from a tilted sensor",
@@ -396,6 +397,7 @@ fn judge_tilt(
         "`{}`: ground is tilted by {tilt_deg:.1} deg in `{}`",
         clouds.topic.topic, over.base
     );
+    let lidar = clouds.frame().unwrap_or_else(|| over.base.clone());
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("tilted")
@@ -404,11 +406,11 @@ fn judge_tilt(
         ))
         .measured(measured)
         .help(format!(
-            "on level ground, multiply the transform of the lidar in `{}` from the left by a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg; \
-             otherwise calibrate it",
-            over.base
+            "if the ground was level, multiply the rotation of `{}_from_{}` from the left by a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg, \
+             and keep its translation; if not, or if the platform leaned, calibrate it",
+            over.base, lidar
         ));
-    out.fail(finding);
+    out.fail(with_mounting(world, [&over.base, &lidar], finding));
 }
 
 /// Approximate extent of the platform's motion, metres.

@@ -185,13 +185,13 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         100.0 * as_defined
     );
     let also = match best.0 {
-        Reading::Backwards => " the orientation may be rotated by 180 deg about z relative to the position, or",
-        Reading::Swapped => " the orientation may be rotated by 90 deg about z relative to the position, or",
+        Reading::Backwards => "the orientation is rotated by 180 deg about z relative to the position, or ",
+        Reading::Swapped => "the orientation is rotated by 90 deg about z relative to the position, or ",
         _ => "",
     };
     let detail = format!(
-        "The residual is the part of the pose's motion that the velocity does not explain. Instead,{also} the position or the \
-         orientation beside it may be wrong, and the velocity right."
+        "The residual is the part of the pose's motion that the velocity does not explain. It is also possible that the velocity is right, and \
+         {also}the position or the orientation beside it is wrong."
     );
     out.fail(
         stream

@@ -89,11 +89,11 @@ impl Review for RotationErrorBudget {
             count => format!("{count} more findings have such numbers for their angles."),
         };
         let (rule, moved) = (&finding.rule, moved.join(", "));
-        let message = format!("the {turn_deg:.2} deg of {rule} move points by {moved}");
+        let message = format!("what is placed by the rotation of {rule} is off by {moved}");
         let note = Finding::note(subject, message, primary.place.clone())
             .detail(format!("The angle is that of this finding: {}.", finding.message))
             .detail(more)
-            .help("compare r * sin(angle) with the accuracy that the map, the labels or the planner need at the relevant ranges")
+            .help("correct that finding; until then, compare the errors with the accuracy that the map, the labels or the planner need")
             .measured(Measured::new("angle", turn_deg, "deg"));
         out.fail(note.measured(limits.measured(turn_deg)));
     }

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use crate::analysis::time::sweep::{Limits, sweep};
 use crate::analysis::{lidar::Clouds, motion::mount::mount};
 use crate::rules::prelude::*;
+use crate::source::Confidence;
 use crate::tables::Sweep;
 use crate::world::World;
 
@@ -22,7 +23,7 @@ impl Rule for PointTimeSweep {
             judge_clouds(world, &clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {
-            crate::rules::time::point_time_sweep::laser::judge_angles(&scans, limits.max_angle_steps, out);
+            laser::judge_angles(&scans, limits.max_angle_steps, out);
         }
     }
 }
@@ -75,7 +76,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             subject,
             format!(
                 "the points sweep {}, but the direction of this lidar is not in the tables",
-                words(seen)
+                seen.words()
             ),
         );
     };
@@ -92,12 +93,21 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let message = format!(
         "`{}`: the points sweep {} about z; a {} sweeps {}",
         clouds.topic.topic,
-        words(seen),
+        seen.words(),
         driver.name,
-        words(expected)
+        expected.words()
     );
+    let (confidence, doubt) = if driver.is_among(&clouds.topic.words()) {
+        (Confidence::Likely, "")
+    } else {
+        (
+            Confidence::Hint,
+            "Only the fields of the points show which lidar it is, and others may have the same.",
+        )
+    };
     let finding = Finding::warning(subject, message, clouds.place())
-        .likely()
+        .confidence(confidence)
+        .detail(doubt)
         .relation("mirrored")
         .unless_relation(codes::AXES11)
         .detail(
@@ -107,11 +117,4 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             "look for a wrong sign of y (or x) or of an angle where the points are computed, or for times that count from the end of the scan",
         );
     out.fail(finding.measured(measured));
-}
-
-fn words(sweep: Sweep) -> &'static str {
-    match sweep {
-        Sweep::Clockwise => "clockwise",
-        Sweep::CounterClockwise => "counter-clockwise",
-    }
 }

@@ -50,7 +50,13 @@ impl Rule for MissingMimic {
                     continue;
                 };
                 let near = || Some(index.nearest(&FrameId::new(of), Reach::SUGGESTION)?.frame.as_str());
-                let near = || folded.get(&of.to_lowercase()).copied().or_else(near);
+                // A name without its prefix: `pinky` for `left_pinky`.
+                let whole = || {
+                    let all = robot.joints.iter().map(|joint| joint.name.value.as_str());
+                    let mut all = all.filter(|known| known.ends_with(&format!("_{of}")));
+                    all.next().filter(|_| all.next().is_none())
+                };
+                let near = || folded.get(&of.to_lowercase()).copied().or_else(whole).or_else(near);
                 let help = match near().filter(|_| found == 0) {
                     Some(near) => format!("write `{near}`, if that joint is meant"),
                     None => "name the joint to follow".to_owned(),
