@@ -3,12 +3,13 @@
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
+use crate::analysis::time::sweep::{self, sweeps_the_other_way};
 use crate::analysis::{
     axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::ScanStep,
 };
 use crate::math::regress::{LineForm, fit_huber};
 use crate::rules::prelude::*;
-use crate::world::{FrameId, World};
+use crate::world::FrameId;
 
 pub(crate) struct CloudMirror;
 
@@ -156,7 +157,7 @@ impl ReferenceTurn {
 }
 
 fn judge_clouds(
-    world: &World,
+    world: &Estimates,
     clouds: &Clouds,
     steps: &Steps,
     beside: &ReferenceTurn,
@@ -238,7 +239,9 @@ fn judge_clouds(
         .help(help);
     // The mounting of a gyro that is tied to no base is unknown.
     let is_loose = !beside.is_tied && mount.is_none() && beside.frame != frame;
-    let finding = if is_loose || beside.is_of_poses {
+    let finding = if relation == "mirrored" && sweeps_the_other_way(clouds, &world.limits::<sweep::Limits>()) {
+        finding.detail("The points sweep in the direction of a mirrored cloud, too.")
+    } else if is_loose || beside.is_of_poses {
         finding.hint()
     } else {
         finding
