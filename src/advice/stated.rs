@@ -58,7 +58,7 @@ type Names = (FrameId, FrameId);
 /// Adds to a hint the configuration that would make it certain: which frames the names of a program's sensors mean, where there is
 /// a better name for them, and the direction of a guessed statement.
 pub(crate) fn settled_by_user<'s>(
-    mut finding: Finding,
+    finding: Finding,
     statements: impl IntoIterator<Item = (&'s Statement, Option<&'s Names>)>,
 ) -> Finding {
     if finding.confidence > Confidence::Hint {
@@ -93,13 +93,8 @@ pub(crate) fn settled_by_user<'s>(
         (!transforms.is_empty()).then(|| format!("`transforms: [{}]`", transforms.join(", "))),
     ];
     let keys: Vec<String> = keys.into_iter().flatten().collect();
-    if !keys.is_empty() {
-        let end = if finding.help.ends_with(['.', ' ']) { "" } else { "." };
-        let keys = keys.join(" and ");
-        finding.help = format!(
-            "{}{end} If these are the frames, confirm it with {keys} in frames-lint.yaml: then it is no longer a hint",
-            finding.help.trim_end()
-        );
+    if keys.is_empty() {
+        return finding;
     }
-    finding
+    finding.confirm_with(&keys.join(" and "))
 }

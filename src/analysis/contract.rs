@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 use crate::analysis::{names, tf};
 use crate::source::Place;
-use crate::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
+use crate::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence, is_static_topic};
 use crate::world::contract::{Contract, TopicTerms, TransformTerms};
-use crate::world::robot::{Joint, Robot};
+use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// A topic in a recording.
@@ -51,7 +51,7 @@ const INCIDENTAL: &[&str] = &[
 /// Whether a contract has nothing to say about a topic. Static TF is in its transforms.
 pub(crate) fn is_incidental(topic: &TopicEvidence) -> bool {
     let package = topic.message_type.split(['/', '.']).next().unwrap_or_default();
-    INCIDENTAL.contains(&package) || tf::is_static_topic(&topic.topic)
+    INCIDENTAL.contains(&package) || is_static_topic(&topic.topic)
 }
 
 /// A topic that something was published on.
@@ -89,10 +89,12 @@ fn unread(world: &World, is_unread: impl Fn(&BagEvidence) -> bool) -> Option<&'s
     }
 }
 
-/// The terms that these recordings of a platform with these descriptions give: what is in all of them, and what comes by chance as optional.
-pub(crate) fn of(bags: &[&BagEvidence], robots: &[&Robot]) -> Contract {
+/// The terms that these recordings give, each of a world by its number there: what is in all of them, and what comes by chance as optional.
+pub(crate) fn of(recordings: &[(&World, usize)]) -> Contract {
+    let bags = recordings.iter().filter_map(|(world, number)| world.bags.get(*number));
+    let bags: Vec<&BagEvidence> = bags.collect();
     let mut topics: BTreeMap<&str, Vec<Recorded>> = BTreeMap::new();
-    for bag in bags {
+    for bag in &bags {
         let spoken = bag
             .topics
             .values()
@@ -103,10 +105,10 @@ pub(crate) fn of(bags: &[&BagEvidence], robots: &[&Robot]) -> Contract {
     }
     let topics = topics
         .into_iter()
-        .filter_map(|(name, all)| Some((name.to_owned(), topic_terms(bags, &all)?)));
+        .filter_map(|(name, all)| Some((name.to_owned(), topic_terms(&bags, &all)?)));
     Contract {
         topics: topics.collect(),
-        transforms: transforms(bags, robots),
+        transforms: transforms(recordings),
     }
 }
 
@@ -213,14 +215,12 @@ fn frames(all: &[Recorded], of: fn(&TopicEvidence) -> &BTreeMap<FrameId, HeaderF
 
 /// Latched transforms, and those that are published again and again with one value, if they have it in all recordings that have them.
 /// Origins of maps are different in every drive, and parts that move have no fixed pose.
-fn transforms(bags: &[&BagEvidence], robots: &[&Robot]) -> BTreeMap<(FrameId, FrameId), TransformTerms> {
+fn transforms(recordings: &[(&World, usize)]) -> BTreeMap<(FrameId, FrameId), TransformTerms> {
     let mut edges: BTreeMap<(FrameId, FrameId), Vec<(&BagEvidence, &TfEdge)>> = BTreeMap::new();
-    for bag in bags {
-        for edge in bag
-            .tf
-            .iter()
-            .filter(|edge| edge.is_static || is_held(bag, edge, robots))
-        {
+    for (world, number) in recordings {
+        let is_of_it = |edge: &&Edge| matches!(edge.origin, EdgeOrigin::Tf(bag, _) if bag == *number);
+        let rigid = world.graph().edges.iter().filter(|edge| edge.is_rigid);
+        for (bag, edge) in rigid.filter(is_of_it).filter_map(|edge| edge.origin.recorded(world)) {
             let frames = (edge.parent.canonical(), edge.child.canonical());
             let is_world = names::is_world(&frames.0) || names::is_world(&frames.1);
             if !is_world && !names::is_moving_part(&frames.1) {
@@ -248,21 +248,6 @@ fn transforms(bags: &[&BagEvidence], robots: &[&Robot]) -> BTreeMap<(FrameId, Fr
     let each = edges.into_iter();
     each.filter_map(|(frames, edges)| Some((frames, terms(&edges)?)))
         .collect()
-}
-
-/// Whether a transform on `/tf` is of a fixed part, as `static_transform_publisher` of ROS 1 publishes it. A joint that is held, too, has one
-/// value: the robot's description decides, and without one the absence of joint states.
-fn is_held(bag: &BagEvidence, edge: &TfEdge, robots: &[&Robot]) -> bool {
-    let mut joints = robots.iter().flat_map(|robot| &robot.joints);
-    let child = edge.child.canonical();
-    let is_it = |joint: &&Joint| {
-        joint
-            .child
-            .as_ref()
-            .is_some_and(|link| FrameId::new(&link.value).canonical() == child)
-    };
-    let is_fixed = joints.find(is_it).map(Joint::is_fixed);
-    edge.is_repeated() && is_fixed.unwrap_or_else(|| !bag.has_joint_states())
 }
 
 #[cfg(test)]

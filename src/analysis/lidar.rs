@@ -1,5 +1,7 @@
 //! The clouds of a world, each with the driver that its fields identify, and planar laser scans as clouds. Must not judge.
 
+use std::ops::RangeInclusive;
+
 use crate::analysis::{names, radar};
 use crate::source::Place;
 use crate::tables::CloudDriver;
@@ -17,6 +19,8 @@ const UNITS_S: [(f64, &str); 4] = [
 
 /// Longest scan, seconds: if nearly all clouds are dropped, the times would match another unit.
 const LONGEST_S: f64 = 20.0;
+/// Shortest and longest duration of a cloud, as a share of the time to the next one.
+pub(crate) const SCAN_SHARE: RangeInclusive<f64> = 0.02..=1.1;
 
 /// Fields that only the points of a lidar have, beside those of rings.
 const OF_A_LIDAR: [&str; 5] = ["azimuth", "reflectivity", "tag", "return_type", "column"];
@@ -159,7 +163,7 @@ impl<'w> Clouds<'w> {
     pub(crate) fn unit(&self, times: &PointTimes) -> Option<(f64, &'static str)> {
         let period_s = self.period_s().filter(|period_s| *period_s <= LONGEST_S)?;
         let [low, high] = times.quantiles;
-        let fits = |(unit_s, _): &(f64, &str)| (0.02..=1.1).contains(&((high - low) * unit_s / period_s));
+        let fits = |(unit_s, _): &(f64, &str)| SCAN_SHARE.contains(&((high - low) * unit_s / period_s));
         UNITS_S.into_iter().find(fits)
     }
 

@@ -1,7 +1,7 @@
 //! The places of frames, transforms and their numbers.
 
 use crate::source::{Confidence, Place, Span};
-use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::graph::Edge;
 use crate::world::{Claim, FrameId, Literal, World, robot::Joint};
 
 /// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
@@ -14,9 +14,7 @@ pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
 
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.
 pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
-    if let EdgeOrigin::Tf(bag, index) = edge.origin {
-        let bag = world.bags.get(bag)?;
-        let tf = bag.tf.get(index)?;
+    if let Some((bag, tf)) = edge.origin.recorded(world) {
         return Some(Place::message(bag.source, tf.first_at.clone()));
     }
     let claim = edge.claim(world)?;

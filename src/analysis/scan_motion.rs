@@ -13,7 +13,13 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 use crate::analysis::ground::{Ground, Planes, SIDES, sensor_in_cloud};
 use crate::analysis::scan_motion::moved::{Moment, ScanStep};
 use crate::analysis::scan_motion::run::{CloudPose, Matching, RawCloud};
-use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, motion::Motion, motion::mount::mount};
+use crate::analysis::{
+    Estimates,
+    estimates::hash_numbers,
+    lidar::{Clouds, SCAN_SHARE},
+    motion::Motion,
+    motion::mount::mount,
+};
 use crate::math::{stats::median, support_plane::SupportPlane};
 use crate::world::{World, cloud::CloudSlice};
 
@@ -26,10 +32,6 @@ const CLEAR_M: f64 = 0.3;
 const LEVEL: f64 = 0.996;
 /// Why the direction of z of a cloud is unknown.
 const NO_GROUND: &str = "no visible ground shows that its plane of x and y is level";
-
-/// Longest and shortest duration of a cloud, as a share of the time to the next one.
-const LONGEST: f64 = 1.1;
-const SHORTEST: f64 = 0.02;
 
 /// The steps of one topic's clouds.
 #[derive(Clone, Debug, Default)]
@@ -328,9 +330,11 @@ fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Momen
         .collect();
     let (apart_s, span) = (median(&apart_s)?, median(&spans)?);
     let seconds = [1.0, 1e-3, 1e-6, 1e-9].map(|unit| (unit, span * unit));
-    let longest = seconds.into_iter().find(|(_, lasts_s)| *lasts_s <= LONGEST * apart_s);
+    let longest = seconds
+        .into_iter()
+        .find(|(_, lasts_s)| *lasts_s <= SCAN_SHARE.end() * apart_s);
     longest
-        .filter(|(_, lasts_s)| *lasts_s >= SHORTEST * apart_s)
+        .filter(|(_, lasts_s)| *lasts_s >= SCAN_SHARE.start() * apart_s)
         .map(|(unit, _)| unit)
 }
 

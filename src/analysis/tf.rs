@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::{names, names::Standard};
 use crate::source::MessageRef;
-use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
+use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence, is_static_topic};
 use crate::world::{BagEvidence, FrameId, World, qos, robot::Joint};
 
 /// What the `frame_id` of a message type is for.
@@ -124,11 +124,6 @@ pub(crate) fn header_use(message_type: &str) -> HeaderUse {
     } else {
         HeaderUse::Possible
     }
-}
-
-/// Whether a topic carries latched transforms, by its name.
-pub(crate) fn is_static_topic(topic: &str) -> bool {
-    topic == "tf_static" || topic.ends_with("/tf_static")
 }
 
 /// Whether the static topics were read completely.

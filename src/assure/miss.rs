@@ -21,14 +21,18 @@ impl Miss {
         }
         let mut rows: Vec<&Row> = altered.rows.iter().filter(|row| seen_by.wrote(row)).collect();
         let position = |row: &Row| seen_by.codes().position(|seer| seer == row.rule);
-        // A row may also be about something else with the same frame.
-        let is_beside = |row: &Row| {
-            subject
-                .words
-                .first()
-                .is_some_and(|word| !row.subject.contains(word.as_str()))
-        };
-        rows.sort_by_key(|row| (is_beside(row), position(row), row.outcome != Outcome::Pass));
+        // A row may also be about something else with the same frame, or compare other files.
+        let own = [subject.words.first().map(String::as_str), subject.file()];
+        let is_beside = |row: &Row| own.iter().flatten().filter(|word| !row.subject.contains(*word)).count();
+        let is_changed = |row: &Row| before(row, healthy).is_some_and(|before| before != row.outcome);
+        rows.sort_by_key(|row| {
+            (
+                is_beside(row),
+                !is_changed(row),
+                position(row),
+                row.outcome != Outcome::Pass,
+            )
+        });
         let about: Vec<&Row> = rows.iter().copied().filter(|row| subject.is_in(&row.subject)).collect();
         let first = seen_by.codes().next().unwrap_or_default();
         let of_platform = rows
@@ -61,10 +65,25 @@ impl Miss {
                         row.rule
                     )
                 }
+                (Outcome::Fail, _) if is_hint(row, altered) => confirmation(row, altered).map_or_else(
+                    || {
+                        format!(
+                            "{record}; `frames-lint explain {}` shows when it is more than a hint",
+                            row.rule
+                        )
+                    },
+                    |keys| {
+                        format!(
+                            "{keys} in frames-lint.yaml, if these are the frames: {} then gives more than a hint",
+                            row.rule
+                        )
+                    },
+                ),
                 _ => record.to_owned(),
             },
         }
     }
+
     /// Where the data have it, and the user accepts the finding that shows it.
     pub(super) fn accepted(finding: &Finding) -> Option<Self> {
         let why = finding.waived.as_ref()?.words();
@@ -76,11 +95,7 @@ impl Miss {
 
     /// Where a rule would show it, and the user does not want to know.
     fn hidden(seen_by: Seers, subject: &Subject, [healthy, altered]: [&Verdict; 2]) -> Option<Self> {
-        let was = |row: &Row| {
-            let mut rows = healthy.rows.iter();
-            let before = rows.find(|other| other.rule == row.rule && other.subject == row.subject);
-            before.map(|row| row.outcome)
-        };
+        let was = |row: &Row| before(row, healthy);
         let is_hidden = |row: &&Row| match row.outcome {
             Outcome::Waived => true,
             Outcome::NotEvaluated => was(row).is_some_and(Outcome::is_judged) && is_off(row),
@@ -110,6 +125,13 @@ fn is_off(row: &Row) -> bool {
         .is_some_and(|why| why.starts_with("off for this file"))
 }
 
+/// The outcome of a row without the mistake.
+fn before(row: &Row, healthy: &Verdict) -> Option<Outcome> {
+    let mut rows = healthy.rows.iter();
+    let before = rows.find(|other| other.rule == row.rule && other.subject == row.subject);
+    before.map(|row| row.outcome)
+}
+
 fn reason(row: &Row, altered: &Verdict) -> String {
     let why = row.reason.as_deref().unwrap_or_default();
     match row.outcome {
@@ -132,10 +154,17 @@ fn reason(row: &Row, altered: &Verdict) -> String {
 
 /// Whether a row that fails has no finding that is more than a hint.
 fn is_hint(row: &Row, verdict: &Verdict) -> bool {
-    let mut findings = verdict.findings.iter();
-    !findings.any(|finding| {
-        finding.rule == row.rule && finding.subject == row.subject && finding.confidence > Confidence::Hint
-    })
+    !findings_of(row, verdict).any(|finding| finding.confidence > Confidence::Hint)
+}
+
+/// The configuration that would make the hint of a row certain.
+fn confirmation<'v>(row: &'v Row, verdict: &'v Verdict) -> Option<&'v str> {
+    findings_of(row, verdict).find_map(Finding::confirmed_by)
+}
+
+fn findings_of<'v>(row: &'v Row, verdict: &'v Verdict) -> impl Iterator<Item = &'v Finding> {
+    let findings = verdict.findings.iter();
+    findings.filter(|finding| finding.rule == row.rule && finding.subject == row.subject)
 }
 
 fn in_words(measured: &Measured) -> String {

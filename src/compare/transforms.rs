@@ -482,10 +482,12 @@ impl<'r> Tree<'r> {
                 };
                 (label, place_words(run, &claim.place))
             }),
-            EdgeOrigin::Tf(bag, index) => world.bags.get(bag).and_then(|bag| {
+            EdgeOrigin::Tf(..) => edge.origin.recorded(world).map(|(bag, tf)| {
                 let source = run.sources.get(bag.source.0 as usize);
-                let path = source.map_or("?", |source| source.path.as_str());
-                Some((bag.tf.get(index)?.topic.clone(), path.to_owned()))
+                (
+                    tf.topic.clone(),
+                    source.map_or("?", |source| source.path.as_str()).to_owned(),
+                )
             }),
         };
         let Some((label, place)) = statement else { return };

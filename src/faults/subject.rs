@@ -58,6 +58,12 @@ impl Subject {
         }
     }
 
+    /// The file in front of its name, where one states it.
+    pub fn file(&self) -> Option<&str> {
+        let (file, _) = self.name.strip_prefix('`')?.split_once("`: ")?;
+        Some(file)
+    }
+
     /// Whether a row or a finding with this subject is about it.
     pub fn is_in(&self, text: &str) -> bool {
         self.words.iter().any(|word| text.contains(word.as_str()))

@@ -43,6 +43,9 @@ impl<'a> Group<'a> {
                 add(&mut group.subjects, subject(trial, are_several));
             }
         }
+        // What is about the same subjects comes together.
+        let order: Vec<Vec<String>> = groups.iter().map(|group| group.subjects.clone()).collect();
+        groups.sort_by_key(|group| order.iter().position(|subjects| *subjects == group.subjects));
         groups
     }
 
@@ -123,9 +126,13 @@ pub(super) fn section(
     }
     let _ = writeln!(out, "{}", style.paint(Ink::Strong, title));
     let named = if most == usize::MAX { most } else { MAX_NAMED };
+    let mut headed: &[String] = &[];
     for group in groups.iter().take(most) {
-        let subjects = one_line(&group.subjects(named));
-        let _ = writeln!(out, "{}", wrap(&subjects, style.width, "  ", "    "));
+        if group.subjects != headed {
+            headed = &group.subjects;
+            let subjects = one_line(&group.subjects(named));
+            let _ = writeln!(out, "{}", wrap(&subjects, style.width, "  ", "    "));
+        }
         let mut line = |text: &str| {
             let _ = writeln!(out, "{}", wrap(&one_line(text), style.width, "    ", "      "));
         };
@@ -175,7 +182,9 @@ pub(super) fn totals(assurance: &Assurance) -> String {
     }
     match assurance.inapplicable().len() {
         0 => {}
-        count => sentences.push(format!("{count} of the catalogue apply to nothing here.")),
+        count => sentences.push(format!(
+            "{count} of the catalogue apply to nothing here: these data do not have what they are made in."
+        )),
     }
     sentences.join(" ")
 }

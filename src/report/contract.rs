@@ -10,6 +10,7 @@ use crate::page::Page;
 use crate::run::Run;
 use crate::visible::{clean, json_line};
 use crate::world::FrameId;
+use crate::world::bag::is_static_topic;
 use crate::world::contract::{Contract, TopicTerms, TransformTerms};
 
 use super::text::{number, trimmed, wrap};
@@ -35,7 +36,7 @@ pub(super) fn terms(contract: &Contract, run: &Run, out: &mut String) {
     }
     let tolerance = ["tolerance_mm", "tolerance_deg"].map(|name| (name, limit(run, "contract-transform", name)));
     for (frames, terms) in &contract.transforms {
-        let is_latched = terms.place.topic().is_none_or(|topic| topic.contains("static"));
+        let is_latched = terms.place.topic().is_none_or(is_static_topic);
         let mark = if is_latched {
             ""
         } else {

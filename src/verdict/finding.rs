@@ -12,6 +12,10 @@ use super::waiver::Acceptance;
 /// The relation of a contradiction that no known error explains.
 pub const UNEXPLAINED: &str = "unexplained";
 
+/// Before and after the configuration that would make a hint certain, in its help.
+const CONFIRM: &str = " If these are the frames, confirm it with ";
+const CONFIRMED: &str = " in frames-lint.yaml: then it is no longer a hint";
+
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -264,6 +268,20 @@ impl Finding {
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = help.into();
         self
+    }
+
+    /// Adds to the help the configuration that would make a hint certain.
+    #[must_use]
+    pub fn confirm_with(mut self, keys: &str) -> Self {
+        let end = if self.help.ends_with(['.', ' ']) { "" } else { "." };
+        self.help = format!("{}{end}{CONFIRM}{keys}{CONFIRMED}", self.help.trim_end());
+        self
+    }
+
+    /// The configuration that would make it certain, where one would.
+    pub fn confirmed_by(&self) -> Option<&str> {
+        let (_, keys) = self.help.split_once(CONFIRM)?;
+        keys.strip_suffix(CONFIRMED)
     }
 
     /// Measured numbers, one or several.

@@ -196,13 +196,12 @@ impl Drawing<'_, '_> {
             );
             return;
         }
-        let EdgeOrigin::Tf(bag, index) = edge.origin else {
+        let Some((_, published)) = edge.origin.recorded(self.placed.world()) else {
             self.scene
                 .always(path, Content::Pose(edge.pose.unwrap_or_else(Isometry3::identity)));
             return;
         };
-        let published = self.placed.world().bags.get(bag).and_then(|bag| bag.tf.get(index));
-        let samples = published.map(|edge| edge.samples.as_slice()).unwrap_or_default();
+        let samples = &published.samples;
         let step = samples.len().div_ceil(MAX_STEPS).max(1);
         let mut poses: BTreeMap<i64, Isometry3<f64>> = BTreeMap::new();
         for sample in samples.iter().step_by(step) {

@@ -289,6 +289,11 @@ pub struct TfEdge {
     pub motion: Option<Series<PoseRow>>,
 }
 
+/// Whether a topic carries latched transforms, by its name.
+pub fn is_static_topic(topic: &str) -> bool {
+    topic == "tf_static" || topic.ends_with("/tf_static")
+}
+
 impl TfEdge {
     /// An edge of one transform, published once; static if its topic is.
     pub fn once(parent: FrameId, child: FrameId, sample: TfSample) -> Self {
@@ -297,7 +302,7 @@ impl TfEdge {
             parent,
             child,
             topic: at.topic.clone(),
-            is_static: at.topic.ends_with("_static"),
+            is_static: is_static_topic(&at.topic),
             count: 1,
             first_at: at.clone(),
             last_at: at,
@@ -318,7 +323,10 @@ impl TfEdge {
     /// Whether it is published again and again with one value on a topic for what moves, as `static_transform_publisher` of ROS 1 does.
     pub fn is_repeated(&self) -> bool {
         const MIN_COUNT: u64 = 10;
-        !self.is_static && self.count >= MIN_COUNT && self.extreme.is_none()
+        /// Computed anew, a value may differ by its rounding: metres and radians.
+        const ROUNDING: f64 = 1e-9;
+        let is_one = self.extreme.as_ref().is_none_or(|(_, m, rad)| m.max(*rad) < ROUNDING);
+        !self.is_static && self.count >= MIN_COUNT && is_one
     }
 
     /// The first valid sample.

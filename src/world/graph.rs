@@ -13,6 +13,7 @@ use nalgebra::Isometry3;
 use crate::source::SourceId;
 
 use super::World;
+use super::bag::{BagEvidence, TfEdge};
 use super::claim::{Claim, ClaimKind};
 use super::frame::{FrameId, FrameRole};
 use super::frame_words::{is_moving_part, is_world};
@@ -27,6 +28,15 @@ pub enum EdgeOrigin {
     Published(usize),
     /// Index into `World::bags` and into its `tf`.
     Tf(usize, usize),
+}
+
+impl EdgeOrigin {
+    /// The recording, and its transform; `None` for claims.
+    pub fn recorded(self, world: &World) -> Option<(&BagEvidence, &TfEdge)> {
+        let Self::Tf(bag, edge) = self else { return None };
+        let bag = world.bags.get(bag)?;
+        Some((bag, bag.tf.get(edge)?))
+    }
 }
 
 /// One stated edge `parent_from_child`.

@@ -286,7 +286,7 @@ pub const SEEN: &[CloudWorld] = &[
     },
     CloudWorld {
         name: "times reversed",
-        names: (&[], &["the times of its points run backwards"]),
+        names: (&["times-reversed"], &["the times of its points run backwards"]),
         cloud: |lidar, _| lidar.times = Times::Reversed,
         asked: &[SWEEP],
         ..WRONG

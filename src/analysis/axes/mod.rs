@@ -3,6 +3,7 @@
 pub(crate) mod base_up;
 pub(crate) mod bases;
 pub(crate) mod causes;
+pub(crate) mod cloud_turn;
 pub(crate) mod diagnosis;
 pub(crate) mod forward;
 pub(crate) mod gyro_vs_track;

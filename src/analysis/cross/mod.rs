@@ -9,6 +9,7 @@ pub(crate) mod fit;
 pub(crate) mod fold;
 pub(crate) mod halves;
 pub(crate) mod hand_eye;
+pub(crate) mod notation;
 pub(crate) mod pair;
 pub(crate) mod roles;
 pub(crate) mod statements;

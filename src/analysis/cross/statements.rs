@@ -212,8 +212,7 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
         .iter()
         .flat_map(|bag| bag.tf.iter().map(move |edge| (bag.source, edge)));
     let tf = edges.filter_map(|(source, edge)| {
-        let constant = edge.is_static || (edge.count >= 10 && edge.extreme.as_ref().is_none_or(is_tiny));
-        let first = edge.first().filter(|_| constant)?;
+        let first = edge.first().filter(|_| edge.is_static || edge.is_repeated())?;
         Some(Statement {
             target: edge.parent.canonical(),
             source_frame: edge.child.canonical(),
@@ -235,10 +234,6 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
     let mut statements: Vec<Statement> = files.chain(tf).collect();
     join_halves(&mut statements);
     statements
-}
-
-fn is_tiny(extreme: &(crate::world::bag::TfSample, f64, f64)) -> bool {
-    extreme.1 < 1e-9 && extreme.2 < 1e-9
 }
 
 fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
 use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::math::circular::circular_mean;
 use crate::tables::Sweep;
 use crate::world::cloud::CloudSample;
 
@@ -37,15 +37,21 @@ pub(crate) fn sweep(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> O
     let times = sample.times.as_ref()?;
     let (unit_s, _) = clouds.unit(times)?;
     let period_s = clouds.period_s()?;
-    let with = |sign: f64| {
-        let angles = sample.points.iter().map(|point| {
-            let [x, y, _] = point.xyz;
-            let share = (point.time - times.range[0]) * unit_s / period_s;
-            (y.atan2(x) - sign * TAU * share, 1.0)
-        });
-        circular_mean(angles).map(|mean| mean.resultant)
-    };
-    let (left, right) = (with(1.0)?, with(-1.0)?);
+    // Azimuth minus and plus the share of a turn: of the right direction all are alike.
+    let (mut left, mut right) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
+    let mut count = 0;
+    for point in &sample.points {
+        let [x, y, _] = point.xyz;
+        let share = (point.time - times.range[0]) * unit_s / period_s;
+        let azimuth = Complex::new(x, y) / x.hypot(y);
+        let turn = Complex::from_polar(1.0, TAU * share);
+        if (azimuth * turn).is_finite() {
+            left += azimuth * turn.conj();
+            right += azimuth * turn;
+            count += 1;
+        }
+    }
+    let [left, right] = [left, right].map(|sum| sum.norm() / f64::from(count));
     let (best, other) = (left.max(right), left.min(right));
     let is_clear =
         sample.points.len() >= limits.min_points && best >= limits.min_resultant && best >= limits.min_ratio * other;

@@ -74,13 +74,10 @@ fn samples(world: &World, edge: &Edge) -> Vec<(Isometry3<f64>, Place)> {
                 .zip(crate::analysis::places::of_numbers(world, edge));
             fixed.into_iter().collect()
         }
-        EdgeOrigin::Tf(bag, index) => {
-            let bag = world.bags.get(bag);
-            let samples = bag.and_then(|bag| Some((bag.source, &bag.tf.get(index)?.samples)));
-            let valid = samples
-                .into_iter()
-                .flat_map(|(source, samples)| samples.iter().map(move |sample| (source, sample)));
-            valid
+        EdgeOrigin::Tf(..) => {
+            let recorded = edge.origin.recorded(world).into_iter();
+            let samples = recorded.flat_map(|(bag, tf)| tf.samples.iter().map(move |sample| (bag.source, sample)));
+            samples
                 .map(|(source, sample)| (sample.pose.isometry(), Place::message(source, sample.at.clone())))
                 .collect()
         }

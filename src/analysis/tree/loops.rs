@@ -68,11 +68,8 @@ pub(crate) fn all_at_once(world: &World, steps: &[&Edge]) -> bool {
     let mut until = i64::MAX;
     let mut bags = BTreeSet::new();
     for edge in steps {
-        if let EdgeOrigin::Tf(bag_index, index) = edge.origin
-            && let Some(bag) = world.bags.get(bag_index)
-            && let Some(tf) = bag.tf.get(index)
-        {
-            bags.insert(bag_index);
+        if let Some((bag, tf)) = edge.origin.recorded(world) {
+            bags.insert(bag.source);
             from = from.max(tf.first_at.log_ns);
             until = until.min(if tf.is_static { i64::MAX } else { tf.last_at.log_ns });
         }

@@ -49,10 +49,7 @@ pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) ->
     let SampleOrigin::Between(..) = factor.made_from else {
         return None;
     };
-    let Some(EdgeOrigin::Tf(bag, edge)) = origins.get(factor.tags.0) else {
-        return None;
-    };
-    let edge = world.bags.get(*bag)?.tf.get(*edge)?;
+    let (_, edge) = origins.get(factor.tags.0)?.recorded(world)?;
     (edge.count > edge.samples.len() as u64).then_some((edge.samples.len(), edge.count))
 }
 

@@ -63,6 +63,14 @@ fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Read
     (best.1 <= limits.max_residual && of_twist.first()?.1 > limits.max_residual && is_clear).then_some((best, second))
 }
 
+/// The residual with the velocity read in this way.
+fn residual(twists: &Twists, (reading, residual): &(Reading, f64), limits: &Limits) -> Measured {
+    let what = format!("residual if the velocity is read as {}", reading.word());
+    Measured::new(what, *residual, "1")
+        .limit(limits.max_residual)
+        .samples(twists.windows)
+}
+
 fn fail_pose(
     stream: &Stream<PoseRow>,
     twists: &Twists,
@@ -83,15 +91,6 @@ fn fail_pose(
         (best.0.words(), best.0.word(), best.0.help())
     };
     let message = format!("`{}`: {words}", stream.topic);
-    let measured = |reading: (Reading, f64)| {
-        Measured::new(
-            format!("residual if the velocity is read as {}", reading.0.word()),
-            reading.1,
-            "1",
-        )
-        .limit(limits.max_residual)
-        .samples(twists.windows)
-    };
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(format!(
         "As published, {:.0} % of the pose's motion contradicts the velocity; corrected, {:.1} %. No other reading of the velocity explains it.",
         100.0 * as_defined,
@@ -104,8 +103,7 @@ fn fail_pose(
             .likely()
             .relation(word)
             .help(help)
-            .measured(measured(best))
-            .measured(measured(second))
+            .measured([&best, &second].map(|reading| residual(twists, reading, limits)))
             .measured(Measured::new("residual as published", as_defined, "1"))
             .measured(Measured::new("distance", twists.distance_m, "m")),
     );
@@ -128,15 +126,6 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     let readings = twists.readings(limits.least_aside);
     let [best, second, ..] = readings.as_slice() else {
         return;
-    };
-    let measured = |reading: &(Reading, f64)| {
-        Measured::new(
-            format!("residual if the velocity is read as {}", reading.0.word()),
-            reading.1,
-            "1",
-        )
-        .limit(limits.max_residual)
-        .samples(twists.windows)
     };
     if best.1 > limits.max_residual {
         let (times, left) = twists.scale;
@@ -171,7 +160,10 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             );
             return little(why, out);
         }
-        return out.pass(&subject, [measured(best), measured(second)]);
+        return out.pass(
+            &subject,
+            [best, second].map(|reading| residual(twists, reading, limits)),
+        );
     }
     let as_defined = twists.residual(Reading::Body);
     let child = stream
@@ -200,8 +192,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             .likely()
             .relation(best.0.word())
             .help(best.0.help())
-            .measured(measured(best))
-            .measured(measured(second))
+            .measured([best, second].map(|reading| residual(twists, reading, limits)))
             .measured(Measured::new("residual as published", as_defined, "1"))
             .measured(Measured::new("distance", twists.distance_m, "m")),
     );

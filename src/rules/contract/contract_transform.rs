@@ -47,17 +47,14 @@ impl Rule for ContractTransform {
                 "none of the {} transforms of the contract is in the recording",
                 missing.len()
             );
-            out.fail(absent(
-                world,
-                "transforms of the contract".to_owned(),
-                message,
-                &missing,
-            ));
+            let subject = "transforms of the contract".to_owned();
+            out.fail(absent(world, (subject, message), &missing, &moved(world, &missing)));
         } else {
             for term in missing {
                 let (parent, child) = term.0;
                 let is_renamed = |(_, edge): &(SourceId, &TfEdge)| is_renamed(world, &term, edge, limits);
-                let message = match (moved(world, &[term]).first(), edges(world).find(is_renamed)) {
+                let moved = moved(world, &[term]);
+                let message = match (moved.first(), edges(world).find(is_renamed)) {
                     (Some((_, edge)), _) => {
                         format!(
                             "`{parent}` -> `{child}` of the contract is not in the recording: there its parent is `{}`",
@@ -72,7 +69,7 @@ impl Rule for ContractTransform {
                     }
                     (None, None) => format!("`{parent}` -> `{child}` of the contract is not in the recording"),
                 };
-                out.fail(absent(world, subject(term.0), message, &[term]));
+                out.fail(absent(world, (subject(term.0), message), &[term], &moved));
             }
         }
     }
@@ -145,13 +142,18 @@ fn judge_values((frames, terms): Term, values: &[(SourceId, &TfSample)], limits:
 /// Maximum number of places of one finding.
 const MAX_PLACES: usize = 5;
 
-fn absent(world: &World, subject: String, message: String, terms: &[Term]) -> Finding {
+fn absent(
+    world: &World,
+    (subject, message): (String, String),
+    terms: &[Term],
+    moved: &[(SourceId, &TfEdge)],
+) -> Finding {
     let first = terms.first().map(|(_, terms)| terms.place.clone());
     let bag = world.bags.first().map(|bag| Place::whole(bag.source));
     let place = first
         .or_else(|| bag.clone())
         .unwrap_or_else(|| Place::whole(SourceId(0)));
-    let help = match (moved(world, terms).is_empty(), terms.len()) {
+    let help = match (moved.is_empty(), terms.len()) {
         (false, _) => "find out why its parent changed: a child has one parent",
         (true, 1) => "publish it, on `/tf_static` if it does not change, and record that",
         (true, _) => "find out whether `/tf_static` was recorded and published",
@@ -160,7 +162,7 @@ fn absent(world: &World, subject: String, message: String, terms: &[Term]) -> Fi
         .label("not recorded")
         .help(format!("{help}; {MEANT}"))
         .measured(Measured::count("transforms of the contract that are missing", terms.len()).limit(0.0));
-    let finding = moved(world, terms).iter().fold(finding, |finding, (source, edge)| {
+    let finding = moved.iter().fold(finding, |finding, (source, edge)| {
         let note = format!("`{}` has the parent `{}` here", edge.child, edge.parent);
         finding.related(Place::message(*source, edge.first_at.clone()), note)
     });

@@ -5,6 +5,7 @@ use nalgebra::Isometry3;
 use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Limits, SharedRelations, off_axes_deg};
+use crate::analysis::cross::notation::KeyNotations;
 use crate::analysis::cross::pair::{Direction, Pair};
 use crate::analysis::cross::statements::pairs;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
@@ -31,7 +32,9 @@ impl Rule for ExtrinsicRelation {
             }
             blamed.push((subject, pair, found));
         }
-        for (subject, pair, found) in blamed {
+        let notations = KeyNotations::of(blamed.iter().map(|(_, pair, found)| (pair, found)));
+        for (subject, mut pair, found) in blamed {
+            notations.confirm(&mut pair);
             let is_sure = found.error().is_some_and(|relation| {
                 limits.fits(&pair.reference.pose, &found) || alike.count(&pair, relation) >= limits.min_sensors
             });

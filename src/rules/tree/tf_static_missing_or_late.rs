@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use crate::analysis::tf;
 use crate::rules::prelude::*;
 use crate::source::MessageRef;
-use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence};
+use crate::world::bag::{TopicEvidence, is_static_topic};
+use crate::world::{BagEvidence, FrameId, World};
 
 pub(crate) struct TfStaticMissingOrLate;
 
@@ -133,7 +134,7 @@ fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
 
 /// A static topic that was offered with durability volatile.
 fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
-    let is_volatile = |topic: &&TopicEvidence| tf::is_static_topic(&topic.topic) && tf::is_volatile(topic);
+    let is_volatile = |topic: &&TopicEvidence| is_static_topic(&topic.topic) && tf::is_volatile(topic);
     let topic = bag.topics.values().find(is_volatile)?;
     let first = bag
         .tf

@@ -142,7 +142,7 @@ pub(super) static FAULTS: &[Fault] = &[
         zero_north,
         ["driver-setting"],
         ["a yaw that is zero in the north", "the yaw is zero in the north"],
-        ["AXES04", "SENSOR06 zero"],
+        ["AXES04 zero", "SENSOR06 zero"],
         WITH_TRACK
     ),
     imu!(
