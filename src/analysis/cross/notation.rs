@@ -3,8 +3,10 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
+use nalgebra::Isometry3;
+
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
-use crate::math::relation::{Classification, Relation, Tolerance, classify};
+use crate::math::{relation::Tolerance, rotation::rotation_angle_between};
 use crate::source::{Confidence, SourceId};
 
 /// Files, each with a way to name frames in its keys (`t_<1>_<2>`) that is shown to be right.
@@ -12,9 +14,9 @@ pub(crate) struct KeyNotations(BTreeSet<(SourceId, String)>);
 
 impl KeyNotations {
     /// Of the statements that equal a sure one, and would not if their keys meant the inverse.
-    pub(crate) fn of<'p>(pairs: impl Iterator<Item = (&'p Pair, &'p Classification)>) -> Self {
-        let showing = pairs.filter(|(pair, found)| found.best == Some(Relation::Equal) && is_directed(pair));
-        let statements = showing.flat_map(|(pair, _)| [&pair.reference, &pair.other]);
+    pub(crate) fn of(pairs: &[Pair]) -> Self {
+        let showing = pairs.iter().filter(|pair| is_shown(pair));
+        let statements = showing.flat_map(|pair| [&pair.reference, &pair.other]);
         Self(statements.filter_map(notation).collect())
     }
 
@@ -29,13 +31,21 @@ impl KeyNotations {
     }
 }
 
-/// Whether a pair has a sure statement, and differs from its inverse.
-fn is_directed(pair: &Pair) -> bool {
+/// Whether a pair has a sure statement that the other one equals, and its inverse does not.
+fn is_shown(pair: &Pair) -> bool {
     let sides = [&pair.reference, &pair.other];
-    let pose = &pair.other.pose;
+    let [sure, pose] = sides.map(|one| &one.pose);
+    let is_equal = |a: &Isometry3<f64>, b: &Isometry3<f64>| {
+        let Tolerance {
+            angle_rad, distance_m, ..
+        } = Tolerance::default();
+        rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
+            && (a.translation.vector - b.translation.vector).norm() <= distance_m
+    };
     sides.iter().all(|one| one.has_rotation && one.has_translation)
         && sides.iter().any(|one| one.reading > Confidence::Hint)
-        && classify(pose, &pose.inverse(), &Tolerance::default()).best != Some(Relation::Equal)
+        && is_equal(sure, pose)
+        && !is_equal(pose, &pose.inverse())
 }
 
 /// How the key of a statement names its frames; `None` where they are not both in the key.

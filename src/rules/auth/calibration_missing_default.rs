@@ -55,7 +55,7 @@ fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mu
             return out.missing(subject, why);
         }
         ReferenceState::Empty => "is empty",
-        ReferenceState::Missing => "was not found",
+        ReferenceState::Missing => "is not in the folder of this file",
     };
     let message = format!(
         "`{}` names the calibration file `{}`, which {what}",

@@ -58,9 +58,18 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     );
     let (_, _, stated_rad) = known.stated.rotation.euler_angles();
     let stated_deg = stated_rad.to_degrees();
+    // A rotation with a name is meant to be exact.
+    let missing_deg = quarters.map_or(yaw.off_deg, |quarters| {
+        90.0 * f64::from(quarters).abs().copysign(yaw.off_deg)
+    });
+    let missing = if quarters.is_some() {
+        format!("{missing_deg:+.0} deg")
+    } else {
+        format!("{missing_deg:+.1} deg")
+    };
     let message = format!(
-        "`{}_from_{}` is missing a yaw of {:+.1} deg, by the scans on `{}`",
-        known.body, known.lidar, yaw.off_deg, clouds.topic.topic
+        "`{}_from_{}` is missing a yaw of {missing}, by the scans on `{}`",
+        known.body, known.lidar, clouds.topic.topic
     );
     let detail = format!(
         "The scans move in another direction than {}. Probable cause: {what}{or}.",
@@ -77,11 +86,10 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .detail(detail)
         .related(known.poses.1.clone(), "compared with this motion")
         .help(format!(
-            "rotate the mounting by {:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation; the yaw {stated_deg:.1} deg \
+            "rotate the mounting by {missing} about z of `{}`: multiply its rotation from the left, and keep its translation; the yaw {stated_deg:.1} deg \
              becomes {:.1} deg",
-            yaw.off_deg,
             known.body,
-            difference(stated_deg.to_radians() + yaw.off_deg.to_radians(), 0.0).to_degrees()
+            difference(stated_deg.to_radians() + missing_deg.to_radians(), 0.0).to_degrees()
         ))
         .unless(codes::CROSS04);
     let origin = quarters.and_then(|quarters| lidar_turn::origin(world, clouds, known, quarters));

@@ -1,6 +1,7 @@
 //! CROSS01: two sources state different transforms for one pair of frames.
 
 use crate::analysis::{
+    cross::notation::KeyNotations,
     cross::pair::{Pair, Statement},
     cross::statements::pairs,
 };
@@ -23,13 +24,15 @@ impl Rule for ExtrinsicConsistency {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for pair in pairs(world, out) {
-            judge_pair(world, &pair, limits, out);
+        let pairs = pairs(world, out);
+        let notations = KeyNotations::of(&pairs);
+        for pair in pairs {
+            judge_pair(world, pair, &notations, limits, out);
         }
     }
 }
 
-fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
+fn judge_pair(world: &World, mut pair: Pair, notations: &KeyNotations, limits: &Limits, out: &mut Judge) {
     let subject = pair.subject(world);
     let found = pair.classify();
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
@@ -62,6 +65,8 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
             "use the newer calibration in both; if neither is newer, find out which one was measured",
         )
     } else {
+        // Small differences are those of a new calibration.
+        notations.confirm(&mut pair);
         (
             Severity::Error,
             "find out which of the two was measured, and use it in both",

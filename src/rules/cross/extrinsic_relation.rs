@@ -24,7 +24,10 @@ impl Rule for ExtrinsicRelation {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut alike = SharedRelations::default();
         let mut blamed: Vec<(String, Pair, Classification)> = Vec::new();
-        for mut pair in pairs(world, out) {
+        let pairs = pairs(world, out);
+        let notations = KeyNotations::of(&pairs);
+        for mut pair in pairs {
+            notations.confirm(&mut pair);
             let subject = pair.subject(world);
             let found = blame(&mut pair, limits.mount_m);
             if let Some(relation) = found.error() {
@@ -32,9 +35,7 @@ impl Rule for ExtrinsicRelation {
             }
             blamed.push((subject, pair, found));
         }
-        let notations = KeyNotations::of(blamed.iter().map(|(_, pair, found)| (pair, found)));
-        for (subject, mut pair, found) in blamed {
-            notations.confirm(&mut pair);
+        for (subject, pair, found) in blamed {
             let is_sure = found.error().is_some_and(|relation| {
                 limits.fits(&pair.reference.pose, &found) || alike.count(&pair, relation) >= limits.min_sensors
             });

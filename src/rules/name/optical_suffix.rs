@@ -66,7 +66,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     } else {
         Finding::error(subject, message, place).likely()
     };
-    let mut finding = finding.measured(measured).detail(what).help(
+    let mut finding = finding.label("its rotation").measured(measured).detail(what).help(
         "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103); how the camera itself is mounted belongs to the joint of its body",
     );
     finding.relation = word.map(str::to_owned);

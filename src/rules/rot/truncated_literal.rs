@@ -99,7 +99,11 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
         .detail(format!("At {} m this is {error_mm:.0} mm.", limits.range_m))
-        .help("write the angle with all digits; in xacro `${pi/2}`")
+        .help(match world.path(source).rsplit('.').next() {
+            Some("xacro") => "write the angle with all digits, or as `${pi/2}`",
+            Some("py") => "write the angle with all digits, or as `math.pi / 2`",
+            _ => "write the angle with all digits",
+        })
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
         .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
     // Five digits are enough for most uses: only a hint.

@@ -135,15 +135,20 @@ fn finding(stream: &Stream<'_>, named: &KnownOffset, (reference, far_s): (&str, 
         Specificity::Family => Severity::Warning,
     };
     let way = if measured.value > 0.0 { "ahead of" } else { "behind" };
+    let cause = brief(&named.what);
     let message = format!(
-        "{}: stamps are {:.2} s {way} {reference}: {}",
+        "{}: stamps are {:.2} s {way} {reference}: {cause}",
         stream.subject,
-        measured.value.abs(),
-        brief(&named.what),
+        measured.value.abs()
     );
+    let in_full = if cause == named.what {
+        String::new()
+    } else {
+        format!("Cause: {}.", named.what)
+    };
     Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
-        .detail(format!("Cause: {}.", named.what))
+        .detail(in_full)
         .help(format!(
             "set the driver's time base to UTC; to repair the recording, {} {:.3} s {} these stamps",
             if named.offset_s > 0.0 { "subtract" } else { "add" },

@@ -144,7 +144,11 @@ fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
     );
     Some(
         Finding::note(stream.subject.clone(), what, at(stream, message))
-            .detail("tf2 ignores a transform with a repeated stamp, and filters divide by a time step of zero.")
+            .detail(if matches!(stream.of, StreamSource::Edge(_)) {
+                "tf2 ignores a transform with a repeated stamp."
+            } else {
+                "Filters divide by a time step of zero."
+            })
             .help("stamp each message with the time of its own measurement")
             .measured(
                 Measured::new("share of repeated stamps", share, "1")

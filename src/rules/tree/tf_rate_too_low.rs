@@ -88,12 +88,8 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
         return out.pass(subject, measured);
     }
     let message = format!(
-        "`{}` -> `{}` on `{}` is too slow to interpolate: error {:.1} cm and {:.2} deg",
-        edge.parent,
-        edge.child,
-        edge.topic,
-        rate.error_m * 100.0,
-        rate.error_deg
+        "`{}` -> `{}` on `{}` is too slow to interpolate: error {:.3} m and {:.2} deg",
+        edge.parent, edge.child, edge.topic, rate.error_m, rate.error_deg
     );
     let help = if rate.long_s > 3.0 * rate.usual_s {
         "find out what delays some of the transforms: most come in time".to_owned()

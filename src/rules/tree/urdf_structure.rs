@@ -171,6 +171,7 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, ex
     Some(
         Finding::note(subject, message, inertial.place.clone())
             .hint()
+            .label("inertia of the root link")
             .help("add an empty root link above it, if you compute dynamics with KDL")
             .measured(Measured::count("root links with inertia", 1).limit(0.0)),
     )

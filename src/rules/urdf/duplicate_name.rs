@@ -53,7 +53,7 @@ fn duplicates<'a>(what: &str, path: &str, names: impl Iterator<Item = &'a Source
                 )
                 .label("second")
                 .related(first.place.clone(), "first")
-                .help(format!("give each {what} its own name"))
+                .help(format!("give each {what} its own name, or delete the copy"))
                 .measured(Measured::count(format!("{what}s of this name"), count).limit(1.0)),
             )
         })

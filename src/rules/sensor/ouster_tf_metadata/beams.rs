@@ -95,6 +95,7 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
     };
     let message = format!("`{}`: {what}", world.path(metadata.place.source));
     let finding = Finding::error(subject, message, place.place.clone())
+        .label("angles of the beams")
         .likely()
         .relation("beam-angles")
         .help("read the metadata from the sensor again: all points are computed with these angles");
