@@ -68,7 +68,7 @@ impl Miss {
                 (Outcome::Fail, _) if is_hint(row, altered) => confirmation(row, altered).map_or_else(
                     || {
                         format!(
-                            "{record}; `frames-lint explain {}` shows when it is more than a hint",
+                            "`frames-lint explain {}` says what would make it more than a hint",
                             row.rule
                         )
                     },

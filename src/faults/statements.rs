@@ -19,7 +19,7 @@ macro_rules! statements {
                 Restated(Relation::$relation),
                 [Relation::$relation.word()],
                 [],
-                ["CROSS02", "CROSS01", "CROSS04", "CROSS03"],
+                ["CROSS02", "CROSS01", "CROSS07", "CROSS04", "CROSS03"],
                 "a second statement of the transform: the URDF, /tf_static or a calibration file",
             ),
         )*];

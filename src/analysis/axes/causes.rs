@@ -240,7 +240,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "mirrored",
         text: "either the track that it is compared with is mirrored (latitude and longitude swapped), or all data of the IMU are expressed in \
-               left-handed axes (y to the right); NED alone would show in gravity, too",
+               left-handed axes (y to the right); it is not NED alone, which would point gravity down",
         help: "plot the track on a map: if left curves are right curves there, correct the order of latitude and longitude (or of x and y), and leave \
                the IMU as it is; only if the track is right, negate y of the acceleration, x and z of the angular velocity and of the quaternion",
         shown_by: Aspect::Heading,
@@ -381,7 +381,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "turned-mount",
         text: "the sensor is mounted with a yaw that its transform does not state",
-        help: "add the missing yaw to the rotation that TF or URDF state for the sensor",
+        help: "add the missing yaw (measured above) to the transform of the sensor in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,
         push: &[Push::Backward, Push::Sideways, Push::Oblique],

@@ -111,6 +111,7 @@ impl Diagnosis {
     /// What to do.
     pub(crate) fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
+        let several = helps.len() > 1;
         let help = match helps.as_slice() {
             [] => return None,
             [one] => (*one).to_owned(),
@@ -119,12 +120,20 @@ impl Diagnosis {
                 numbered(several)
             ),
         };
-        Some(match &self.driver {
-            Some(driver) if self.causes.iter().any(|cause| cause.is_of_driver) => format!(
-                "{help}. The driver seems to be that of {}, which measures in {}: {}",
-                driver.name, driver.native, driver.setting
+        let of_driver = self.causes.iter().position(|cause| cause.is_of_driver);
+        Some(match self.driver.as_ref().zip(of_driver) {
+            Some((driver, at)) => format!(
+                "the driver seems to be that of {}, which measures in {}{}: {}. Otherwise: {help}",
+                driver.name,
+                driver.native,
+                if several {
+                    format!(", so cause ({}) is the most likely", at + 1)
+                } else {
+                    String::new()
+                },
+                driver.setting
             ),
-            _ => help,
+            None => help,
         })
     }
 }

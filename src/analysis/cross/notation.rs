@@ -1,7 +1,7 @@
 //! What the keys of a file mean, by those whose meaning another source shows.
 
 use std::cmp::Reverse;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
 
@@ -9,47 +9,79 @@ use crate::analysis::cross::pair::{Direction, Pair, Statement};
 use crate::math::{relation::Tolerance, rotation::rotation_angle_between};
 use crate::source::{Confidence, SourceId};
 
-/// Files, each with a way to name frames in its keys (`t_<1>_<2>`) that is shown to be right.
-pub(crate) struct KeyNotations(BTreeSet<(SourceId, String)>);
+/// Files, each with the ways in which its keys name frames (`t_<1>_<2>`), and what they mean.
+pub(crate) struct KeyNotations {
+    /// Some states what a sure source states.
+    shown: BTreeSet<Notation>,
+    /// None does, and several state the inverse of what a sure source states.
+    reversed: BTreeSet<Notation>,
+}
+
+/// A file, and a key of it without the names of its frames.
+type Notation = (SourceId, String);
 
 impl KeyNotations {
-    /// Of the statements that equal a sure one, and would not if their keys meant the inverse.
+    /// Of pairs with a sure statement that show a direction.
     pub(crate) fn of(pairs: &[Pair]) -> Self {
-        let showing = pairs.iter().filter(|pair| is_shown(pair));
-        let statements = showing.flat_map(|pair| [&pair.reference, &pair.other]);
-        Self(statements.filter_map(notation).collect())
+        let sure = pairs.iter().filter(|pair| {
+            let sides = [&pair.reference, &pair.other];
+            sides.iter().any(|one| one.reading == Confidence::Certain)
+        });
+        let sure: Vec<&Pair> = sure.filter(|pair| is_directed(pair)).collect();
+        let of = |is_it: &dyn Fn(&Pair) -> bool| {
+            let sides = sure.iter().filter(|pair| is_it(pair));
+            let sides = sides.flat_map(|pair| [&pair.reference, &pair.other]);
+            let named = sides.filter_map(|one| Some((notation(one)?, &one.label)));
+            let mut labels: BTreeMap<Notation, BTreeSet<&str>> = BTreeMap::new();
+            for (notation, label) in named {
+                labels.entry(notation).or_default().insert(label);
+            }
+            labels
+        };
+        let shown = of(&|pair| is_equal(&pair.reference.pose, &pair.other.pose));
+        let shown: BTreeSet<Notation> = shown.into_keys().collect();
+        let mut reversed = of(&|pair| is_equal(&pair.reference.pose, &pair.other.pose.inverse()));
+        reversed.retain(|notation, labels| labels.len() > 1 && !shown.contains(notation));
+        Self {
+            reversed: reversed.into_keys().collect(),
+            shown,
+        }
     }
 
-    /// Makes the reading likely of the statements of a pair whose keys are written in one of them.
+    /// Sets how sure the statements of a pair are whose keys are written in one of them.
     pub(crate) fn confirm(&self, pair: &mut Pair) {
         for one in [&mut pair.reference, &mut pair.other] {
-            let is_shown = || notation(one).is_some_and(|notation| self.0.contains(&notation));
-            if one.reading == Confidence::Hint && is_shown() {
-                one.reading = Confidence::Likely;
+            let Some(notation) = notation(one) else { continue };
+            if self.shown.contains(&notation) {
+                one.reading = one.reading.max(Confidence::Likely);
+            } else if self.reversed.contains(&notation) {
+                one.reading = Confidence::Hint;
             }
         }
     }
 }
 
-/// Whether a pair has a sure statement that the other one equals, and its inverse does not.
-fn is_shown(pair: &Pair) -> bool {
+/// Whether both statements are whole, and differ from their inverses.
+fn is_directed(pair: &Pair) -> bool {
     let sides = [&pair.reference, &pair.other];
-    let [sure, pose] = sides.map(|one| &one.pose);
-    let is_equal = |a: &Isometry3<f64>, b: &Isometry3<f64>| {
-        let Tolerance {
-            angle_rad, distance_m, ..
-        } = Tolerance::default();
-        rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
-            && (a.translation.vector - b.translation.vector).norm() <= distance_m
-    };
     sides.iter().all(|one| one.has_rotation && one.has_translation)
-        && sides.iter().any(|one| one.reading > Confidence::Hint)
-        && is_equal(sure, pose)
-        && !is_equal(pose, &pose.inverse())
+        && !is_equal(&pair.other.pose, &pair.other.pose.inverse())
 }
 
-/// How the key of a statement names its frames; `None` where they are not both in the key.
-fn notation(one: &Statement) -> Option<(SourceId, String)> {
+/// Within the tolerance of relations.
+fn is_equal(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
+    let Tolerance {
+        angle_rad, distance_m, ..
+    } = Tolerance::default();
+    rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
+        && (a.translation.vector - b.translation.vector).norm() <= distance_m
+}
+
+/// How the key of a statement names its frames; `None` where they are not both in the key, or another key or the program tells what it means.
+fn notation(one: &Statement) -> Option<Notation> {
+    if one.reading == Confidence::Certain || one.is_guess() {
+        return None;
+    }
     let (first, second) = (&one.called.0, &one.called.1);
     let mut names = match one.direction {
         Direction::AsStated => [(first, "<1>"), (second, "<2>")],

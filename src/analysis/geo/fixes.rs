@@ -103,7 +103,9 @@ pub(crate) fn misread<'o>(
     if others.iter().any(|(_, other)| near(position, *other, limits.agree_deg)) {
         return None;
     }
-    let ways = readings(position);
+    let is_scaled = position.0.abs().max(position.1.abs()) > limits.scaled_deg;
+    let mut ways = readings(position);
+    ways.retain(|way| way.relation != E7 || is_scaled);
     let confirmed = ways.iter().find_map(|way| {
         let other = others
             .iter()

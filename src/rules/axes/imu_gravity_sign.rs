@@ -48,8 +48,8 @@ fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &BaseUp, limits
         "At rest and level, an accelerometer reads +9.81 m/s2 along the axis that points up. Mounting: {}.",
         imu.mounting()
     );
-    let otherwise = "add the sensor's rotation to its frame in TF or URDF: an accelerometer at rest reads +9.81 m/s2 along \
-                     the axis that points up (REP-145)";
+    let otherwise = "look at the sensor: if it is rotated, state that rotation in its transform (TF or URDF); if it is mounted as the transform \
+                     states, its driver publishes gravity or other axes: negate the acceleration, or convert its axes (REP-145)";
     let finding = Finding::new(severity, subject, message, imu.stream.place())
         .likely()
         .detail(detail);

@@ -21,8 +21,8 @@ pub(crate) struct Limits {
 }
 
 /// What to do where K is for a smaller image, and where it is for a larger one.
-const SCALE_UP: &str = "multiply fx, fy, cx and cy, with the calibration's width and height, by the factor of the image: K is for a smaller one";
-const SCALE_DOWN: &str = "divide fx, fy, cx and cy, with the calibration's width and height, by the factor of the image, or state it as binning_x and \
+const SCALE_UP: &str = "multiply fx, fy, cx and cy by the ratio of the two sizes, and state the image's width and height: K is for a smaller one";
+const SCALE_DOWN: &str = "divide fx, fy, cx and cy by the ratio of the two sizes, and state the image's width and height; or state the ratio as binning_x and \
                           binning_y: K is for a larger one";
 
 impl Rule for CameraInfoKSize {

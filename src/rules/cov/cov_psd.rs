@@ -153,9 +153,10 @@ fn most_different(values: &[f64]) -> String {
     let most = pairs.max_by(|a, b| difference(a).total_cmp(&difference(b)));
     most.map_or_else(String::new, |(row, col)| {
         format!(
-            "The largest difference: C[{col}][{row}] = {}, C[{row}][{col}] = {}.",
+            "The largest difference: C[{col}][{row}] = {}, C[{row}][{col}] = {}; the largest element: {}.",
             brief(at(col, row)),
-            brief(at(row, col))
+            brief(at(row, col)),
+            brief(values.iter().fold(0.0, |most, value| value.abs().max(most)))
         )
     })
 }

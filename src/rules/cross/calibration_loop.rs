@@ -9,6 +9,7 @@ use crate::analysis::cross::pair::Statement;
 use crate::analysis::cross::statements::{are_of_one_platform, described, statements};
 use crate::math::relation::{Relation, Tolerance, classify};
 use crate::rules::prelude::*;
+use crate::source::Confidence;
 use crate::source::SourceId;
 use crate::world::{FrameId, World};
 
@@ -143,6 +144,12 @@ fn loops<'s>(statements: &[&'s Statement]) -> (Vec<Loop<'s>>, bool) {
     (loops, false)
 }
 
+/// What is left of a closed loop, over that of three calibrations.
+fn sigmas(closure: &Isometry3<f64>, limits: &Limits) -> f64 {
+    let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
+    (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt()
+}
+
 impl Loop<'_> {
     /// What an edge would have to be for the loop to close.
     fn expected(&self, index: usize) -> Isometry3<f64> {
@@ -150,12 +157,24 @@ impl Loop<'_> {
         (next.unwrap_or_default() * last.unwrap_or_default()).inverse()
     }
 
+    /// Whether it closes if all statements mean the other direction that only keys of files state, if there are several.
+    fn closes_reversed(&self, limits: &Limits) -> bool {
+        let is_of_key = |one: &Statement| one.is_of_a_file() && one.reading < Confidence::Certain && !one.is_guess();
+        let keys = self.edges.iter().filter(|(_, one)| is_of_key(one)).count();
+        let pose = |(pose, one): &(Isometry3<f64>, &Statement)| if is_of_key(one) { pose.inverse() } else { *pose };
+        let closure = self
+            .edges
+            .iter()
+            .fold(Isometry3::identity(), |sum, edge| sum * pose(edge));
+        keys > 1 && sigmas(&closure, limits) <= limits.warn_sigmas
+    }
+
     fn judge(&self, whose: &str, limits: &Limits, out: &mut Judge) {
         let [a, b, c] = self.frames;
         let subject = format!("loop of `{a}`, `{b}` and `{c}` in {whose}");
         let closure = self.edges.iter().fold(Isometry3::identity(), |sum, edge| sum * edge.0);
         let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
-        let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
+        let sigmas = sigmas(&closure, limits);
         let measured = [
             Measured::new("residual angle", angle_deg, "deg").turn(),
             Measured::new("residual distance", distance_m, "m"),
@@ -206,6 +225,10 @@ impl Loop<'_> {
             .help("calibrate the three transforms together, or find the one that is wrong and calibrate it again");
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
+        }
+        if self.closes_reversed(limits) {
+            let detail = "The loop closes if the keys of the file mean the other direction.";
+            finding = finding.hint().detail(detail);
         }
         // That two files mean the same sensor by `lidar` is a guess; within one file it is certain.
         let first = first.place.source;

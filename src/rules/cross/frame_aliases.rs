@@ -92,6 +92,14 @@ impl Rule for FrameAliases {
                 suspicion.finding.severity = Severity::Warning;
                 suspicion.finding = suspicion.finding.hint();
             }
+            let of_file = asked
+                .iter()
+                .filter(|one| one.claim.place.source == suspicion.file)
+                .count();
+            if suspicion.is_of_keys && suspicion.relation == Relation::Inverse && alike > 1 && alike == of_file {
+                let detail = "All keys of the file are inverted alike: they may mean the other direction.";
+                suspicion.finding = suspicion.finding.hint().detail(detail);
+            }
             out.fail(suspicion.finding);
         }
     }
@@ -112,6 +120,8 @@ struct Suspicion {
     relation: Relation,
     /// Whether the numbers alone show it.
     is_exact: bool,
+    /// Whether only the keys state the direction.
+    is_of_keys: bool,
     finding: Finding,
 }
 
@@ -213,6 +223,7 @@ fn judge_claim(
                 file: claim.place.source,
                 relation,
                 is_exact,
+                is_of_keys: !roles && claim.reading < Confidence::Certain,
                 finding: finding.measured(measured(candidate)),
             });
         }

@@ -6,6 +6,7 @@ use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::PlanarMount;
 use crate::rules::prelude::*;
+use crate::world::FrameId;
 
 pub(crate) struct HandEyeCalibration;
 
@@ -207,7 +208,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         .relation(relation)
         .detail(detail)
         .related(known.poses.1.clone(), "motion of the body")
-        .help("calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
+        .help(help(&known.body, (turned && !moved).then_some(yaw_deg)))
         .prefers(
             known.body.to_string(),
             known.lidar.to_string(),
@@ -221,4 +222,12 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         finding
     };
     out.fail(finding.measured(measured));
+}
+
+/// What to do about a mounting that misses a yaw alone, or about another one.
+fn help(body: &FrameId, yaw_deg: Option<f64>) -> String {
+    let add = yaw_deg.map_or_else(String::new, |deg| {
+        format!("add {deg:+.1} deg of yaw (about z of `{body}`) to the transform, or ")
+    });
+    format!("{add}calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
 }

@@ -1,7 +1,9 @@
 //! QUAT05: quaternions of programs that use, or used, JPL's convention.
 
+use nalgebra::Vector3;
+
 use crate::rules::prelude::*;
-use crate::world::{Doubt, World, conventions::Subject};
+use crate::world::{Claim, Doubt, World, conventions::Subject};
 
 pub(crate) struct JplProvenance;
 
@@ -14,14 +16,36 @@ impl Rule for JplProvenance {
             if let Some(Doubt::Algebra(doubt)) = &claim.doubt {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
                 let what = format!("`{}`: quaternion", claim.label);
-                judge_one(world, (subject, what.as_str()), doubt, &claim.place, out);
+                let doubt = format!("{doubt}.{}", directions(claim));
+                judge_one(world, (subject, what.as_str()), &doubt, &claim.place, out);
             }
         }
         for states in &world.jpl {
             let subject = format!("quaternions of {}", world.path(states.place.source));
-            judge_one(world, (subject, "quaternions"), &states.value, &states.place, out);
+            judge_one(
+                world,
+                (subject, "quaternions"),
+                &format!("{}.", states.value),
+                &states.place,
+                out,
+            );
         }
     }
+}
+
+/// Where an axis of the sensor points under either convention: a look at the mounting decides.
+fn directions(claim: &Claim) -> String {
+    let (Some((target, source)), Some(pose)) = (&claim.frames, &claim.pose) else {
+        return String::new();
+    };
+    let turn = pose.isometry().rotation;
+    let [read, inverse] = [turn, turn.inverse()].map(|turn| {
+        let z = turn * Vector3::z();
+        format!("({:.2}, {:.2}, {:.2})", z.x, z.y, z.z)
+    });
+    format!(
+        " As read here, z of `{source}` points along {read} of `{target}`, in the other convention along {inverse}: compare with the mounting."
+    )
 }
 
 fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place: &Place, out: &mut Judge) {
@@ -42,7 +66,7 @@ fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place:
         .hint()
         .label("Hamilton or JPL")
         .detail(format!(
-            "Doubt: {doubt}. In the other convention the same numbers are the inverse rotation."
+            "Doubt: {doubt} In the other convention the same numbers are the inverse rotation."
         ))
         .help(format!(
             "find out which convention the program that wrote this file used, and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",

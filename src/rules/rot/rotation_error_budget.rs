@@ -91,7 +91,7 @@ impl Review for RotationErrorBudget {
         let (rule, moved) = (&finding.rule, moved.join(", "));
         let message = format!("what is placed by the rotation of {rule} is off by {moved}");
         let note = Finding::note(subject, message, primary.place.clone())
-            .detail(format!("The angle is that of this finding: {}.", finding.message))
+            .detail(format!("The finding of {rule}: {}.", finding.message))
             .detail(more)
             .help("correct that finding; until then, compare the errors with the accuracy that the map, the labels or the planner need")
             .measured(Measured::new("angle", turn_deg, "deg"));

@@ -1,6 +1,7 @@
 //! ROT09: a multiple of pi written with so few digits that distant points are displaced.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
@@ -72,6 +73,21 @@ impl Rule for TruncatedLiteral {
     }
 }
 
+/// An angle as a fraction of pi: `-5*pi/6`.
+fn fraction(exact: f64) -> Option<String> {
+    let whole = |below: u8| {
+        let count = exact / PI * f64::from(below);
+        ((count - count.round()).abs() < 1e-9).then_some((count.round(), below))
+    };
+    let (count, below) = (1..=12).find_map(whole)?;
+    let above = match count {
+        1.0 => "pi".to_owned(),
+        -1.0 => "-pi".to_owned(),
+        count => format!("{count}*pi"),
+    };
+    Some(if below == 1 { above } else { format!("{above}/{below}") })
+}
+
 fn lateral_mm(error_rad: f64, limits: &Limits) -> f64 {
     limits.range_m * error_rad.sin() * 1000.0
 }
@@ -98,11 +114,14 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
     let subject = format!("truncated angles of {}", world.path(source));
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
-        .detail(format!("At {} m this is {error_mm:.0} mm.", limits.range_m))
-        .help(match world.path(source).rsplit('.').next() {
-            Some("xacro") => "write the angle with all digits, or as `${pi/2}`",
-            Some("py") => "write the angle with all digits, or as `math.pi / 2`",
-            _ => "write the angle with all digits",
+        .detail(format!("At {} m this is {error_mm:.1} mm.", limits.range_m))
+        .help(match (fraction(worst.exact), world.path(source).rsplit('.').next()) {
+            (Some(fraction), Some("xacro")) => format!("write the angle with all digits, or as `${{{fraction}}}`"),
+            (Some(fraction), Some("py")) => format!(
+                "write the angle with all digits, or as `{}`",
+                fraction.replace("pi", "math.pi")
+            ),
+            _ => "write the angle with all digits".to_owned(),
         })
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
         .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));

@@ -110,8 +110,9 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         Finding::new(severity(is_slight || is_light), owner, message, place)
             .label("violates the triangle inequality")
             .detail(format!(
-                "The largest principal moment is {largest:.3e} kg m², the sum of the others {sum:.3e} kg m²; for a rigid body it is at most \
-                 the sum."
+                "The largest principal moment is {} kg m², the sum of the others {} kg m²; for a rigid body it is at most the sum.",
+                brief(largest),
+                brief(sum)
             ))
             .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
             .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
@@ -119,6 +120,15 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         return None;
     };
     Some(finding)
+}
+
+/// A moment, in words.
+fn brief(moment: f64) -> String {
+    if (1e-3..1e4).contains(&moment) {
+        format!("{moment:.3}")
+    } else {
+        format!("{moment:.3e}")
+    }
 }
 
 fn is_fixed(robot: &Robot, link: &Link) -> bool {

@@ -69,7 +69,10 @@ fn finding(
     let (link, first) = missing.first()?;
     let message = match missing.len() {
         1 if !is_slip => format!("the only mesh of robot `{}` has no file", robot.name.value),
-        n if !is_slip => format!("none of the {n} meshes of robot `{}` has its file", robot.name.value),
+        n if !is_slip => format!(
+            "the files of all {n} meshes of robot `{}` are missing",
+            robot.name.value
+        ),
         1 => format!("the {} mesh file of `{}` does not exist", first.usage, link.name.value),
         n => format!("{n} meshes have no file, the first is that of `{}`", link.name.value),
     };
@@ -89,7 +92,7 @@ fn finding(
     let mut finding = Finding::new(severity, subject, message, first.filename.place.clone())
         .label("no such file")
         .detail(detail)
-        .help("correct the path (it is case-sensitive), or add the file; packages are searched in the input and around the URDF")
+        .help("correct the path (it is case-sensitive), or add the file; packages are searched in the given paths and in the folders around the URDF: give the path of a package that is elsewhere, too")
         .measured(Measured::count("missing meshes", missing.len()).limit(0.0));
     for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
         finding = finding.related(

@@ -14,10 +14,10 @@ pub(crate) fn explain_simulation(finding: &mut Finding, streams: usize) {
     finding.severity = Severity::Note;
     finding.confidence = finding.confidence.min(Confidence::Likely);
     finding.message =
-        format!("{streams} streams have stamps near {stamp_s:.1} s, but the log clock shows calendar time");
+        format!("{streams} streams have stamps of about {stamp_s:.0} s, but the log clock shows calendar time");
     finding.detail = format!(
         "The first of them is {}. Probably a simulation recorded in wall time, or a host whose clock was not set. Look-ups find no transforms \
-         when the recording is played back with a clock.",
+         when the recording is played back with `--clock`.",
         finding.subject
     );
     "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
