@@ -201,6 +201,12 @@ impl Claim {
         matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes")
     }
 
+    /// Whether only a key of no known program states which of its frames is the target: it may mean the other direction.
+    pub fn is_of_a_key(&self) -> bool {
+        let is_generic = matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == "generic");
+        is_generic && self.reading < Confidence::Certain
+    }
+
     /// Whether the claim is valid at all times: not the zero position of a moving joint.
     pub fn is_rigid(&self) -> bool {
         !matches!(self.kind, ClaimKind::Joint { fixed: false, .. })

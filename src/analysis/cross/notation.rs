@@ -77,11 +77,8 @@ fn is_equal(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
         && (a.translation.vector - b.translation.vector).norm() <= distance_m
 }
 
-/// How the key of a statement names its frames; `None` where they are not both in the key, or another key or the program tells what it means.
+/// How the key of a statement names its frames; `None` where they are not both in the key, or or the program that reads the file says what it means.
 fn notation(one: &Statement) -> Option<Notation> {
-    if one.reading == Confidence::Certain || one.is_guess() {
-        return None;
-    }
     let (first, second) = (&one.called.0, &one.called.1);
     let mut names = match one.direction {
         Direction::AsStated => [(first, "<1>"), (second, "<2>")],
@@ -89,7 +86,7 @@ fn notation(one: &Statement) -> Option<Notation> {
     };
     // A name may be a part of the other one.
     names.sort_by_key(|(name, _)| Reverse(name.as_str().len()));
-    let mut key = one.label.rsplit('/').next()?.to_lowercase();
+    let mut key = one.key.as_ref()?.rsplit('/').next()?.to_lowercase();
     for (name, stands_for) in names {
         let name = name.as_str().to_lowercase();
         if !key.contains(&name) {

@@ -51,6 +51,8 @@ pub(crate) struct Statement {
     pub(crate) direction: Direction,
     pub(super) rank: Rank,
     pub(super) bare_quaternion: bool,
+    /// The key of no known program that alone states its direction: it may mean the other one.
+    pub(crate) key: Option<String>,
     /// The names of the two frames in the source.
     pub(crate) called: (FrameId, FrameId),
     /// The dialect whose sensor names (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.

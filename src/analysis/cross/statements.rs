@@ -227,6 +227,7 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
             direction: Direction::AsStated,
             rank: Rank::Tf,
             bare_quaternion: false,
+            key: None,
             called: (edge.parent.canonical(), edge.child.canonical()),
             roles: None,
         })
@@ -275,6 +276,7 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
         },
         direction: Direction::AsStated,
         rank,
+        key: claim.is_of_a_key().then(|| claim.label.clone()),
         bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
         called: stated,
         roles: match &claim.kind {
@@ -339,6 +341,7 @@ fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId)
         direction: Direction::AsStated,
         rank,
         bare_quaternion: false,
+        key: None,
         called: (target.clone(), source_frame.clone()),
         roles: None,
     })

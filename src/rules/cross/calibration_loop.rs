@@ -9,7 +9,6 @@ use crate::analysis::cross::pair::Statement;
 use crate::analysis::cross::statements::{are_of_one_platform, described, statements};
 use crate::math::relation::{Relation, Tolerance, classify};
 use crate::rules::prelude::*;
-use crate::source::Confidence;
 use crate::source::SourceId;
 use crate::world::{FrameId, World};
 
@@ -159,9 +158,8 @@ impl Loop<'_> {
 
     /// Whether it closes if all statements mean the other direction that only keys of files state, if there are several.
     fn closes_reversed(&self, limits: &Limits) -> bool {
-        let is_of_key = |one: &Statement| one.is_of_a_file() && one.reading < Confidence::Certain && !one.is_guess();
-        let keys = self.edges.iter().filter(|(_, one)| is_of_key(one)).count();
-        let pose = |(pose, one): &(Isometry3<f64>, &Statement)| if is_of_key(one) { pose.inverse() } else { *pose };
+        let keys = self.edges.iter().filter(|(_, one)| one.key.is_some()).count();
+        let pose = |(pose, one): &(Isometry3<f64>, &Statement)| if one.key.is_some() { pose.inverse() } else { *pose };
         let closure = self
             .edges
             .iter()

@@ -223,7 +223,7 @@ fn judge_claim(
                 file: claim.place.source,
                 relation,
                 is_exact,
-                is_of_keys: !roles && claim.reading < Confidence::Certain,
+                is_of_keys: claim.is_of_a_key(),
                 finding: finding.measured(measured(candidate)),
             });
         }

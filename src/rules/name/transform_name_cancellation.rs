@@ -6,7 +6,7 @@ use crate::analysis::name::alike::is_same;
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId, SourceKind, Span};
 use crate::world::transform_name::{NameStyle, TransformName};
-use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World, transform_name};
+use crate::world::{DeclaredChain, Doubt, FrameId, World, transform_name};
 
 pub(crate) struct TransformNameCancellation;
 
@@ -223,9 +223,8 @@ fn judge_doubts(world: &World, out: &mut Judge) {
 fn judge_keys(world: &World, out: &mut Judge) {
     let mut seen = BTreeSet::new();
     for claim in &world.claims {
-        let is_generic = matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "generic");
         let name = transform_name::parse(&claim.label).filter(|name| name.style == NameStyle::To);
-        let (Some(name), true) = (name, is_generic && claim.reading < Confidence::Certain) else {
+        let (Some(name), true) = (name, claim.is_of_a_key()) else {
             continue;
         };
         if !seen.insert(claim.place.source) {
