@@ -20,12 +20,42 @@ pub(crate) fn meant(value: f64, nearest_rad: f64) -> Option<f64> {
     })
 }
 
+/// An angle as an expression of the language of a file: `${-5*pi/6}` in xacro; `None` where it has none, or the angle is no fraction of pi.
+pub(crate) fn expression(exact: f64, path: &str) -> Option<String> {
+    let [open, pi, close] = match path.rsplit('.').next() {
+        Some("xacro") => ["${", "pi", "}"],
+        Some("py") => ["", "math.pi", ""],
+        _ => return None,
+    };
+    let whole = |below: u8| {
+        let count = exact / PI * f64::from(below);
+        ((count - count.round()).abs() < 1e-9).then_some((count.round(), below))
+    };
+    let (count, below) = (1..=12).find_map(whole)?;
+    let above = match count {
+        1.0 => pi.to_owned(),
+        -1.0 => format!("-{pi}"),
+        count => format!("{count}*{pi}"),
+    };
+    let below = if below == 1 { String::new() } else { format!("/{below}") };
+    Some(format!("{open}{above}{below}{close}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn number(text: &str) -> f64 {
         text.parse().unwrap()
+    }
+
+    #[test]
+    fn an_angle_is_written_in_the_language_of_its_file() {
+        assert_eq!(expression(-5.0 * PI / 6.0, "a.urdf.xacro").unwrap(), "${-5*pi/6}");
+        assert_eq!(expression(PI, "a.xacro").unwrap(), "${pi}");
+        assert_eq!(expression(-PI / 2.0, "a.launch.py").unwrap(), "-math.pi/2");
+        assert_eq!(expression(1.0, "a.xacro"), None);
+        assert_eq!(expression(PI, "a.urdf"), None);
     }
 
     #[test]

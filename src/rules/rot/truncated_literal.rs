@@ -1,11 +1,13 @@
 //! ROT09: a multiple of pi written with so few digits that distant points are displaced.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
-use crate::analysis::{rot::angles::stated, rot::short_pi::meant};
+use crate::analysis::{
+    rot::angles::stated,
+    rot::short_pi::{expression, meant},
+};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::verdict::Safety;
@@ -73,21 +75,6 @@ impl Rule for TruncatedLiteral {
     }
 }
 
-/// An angle as a fraction of pi: `-5*pi/6`.
-fn fraction(exact: f64) -> Option<String> {
-    let whole = |below: u8| {
-        let count = exact / PI * f64::from(below);
-        ((count - count.round()).abs() < 1e-9).then_some((count.round(), below))
-    };
-    let (count, below) = (1..=12).find_map(whole)?;
-    let above = match count {
-        1.0 => "pi".to_owned(),
-        -1.0 => "-pi".to_owned(),
-        count => format!("{count}*pi"),
-    };
-    Some(if below == 1 { above } else { format!("{above}/{below}") })
-}
-
 fn lateral_mm(error_rad: f64, limits: &Limits) -> f64 {
     limits.range_m * error_rad.sin() * 1000.0
 }
@@ -112,17 +99,11 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
         .map(|short| rewrite(world, source, short.literal, short.exact.to_string()))
         .collect();
     let subject = format!("truncated angles of {}", world.path(source));
+    let or = expression(worst.exact, world.path(source)).map_or_else(String::new, |text| format!(", or as `{text}`"));
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
         .detail(format!("At {} m this is {error_mm:.1} mm.", limits.range_m))
-        .help(match (fraction(worst.exact), world.path(source).rsplit('.').next()) {
-            (Some(fraction), Some("xacro")) => format!("write the angle with all digits, or as `${{{fraction}}}`"),
-            (Some(fraction), Some("py")) => format!(
-                "write the angle with all digits, or as `{}`",
-                fraction.replace("pi", "math.pi")
-            ),
-            _ => "write the angle with all digits".to_owned(),
-        })
+        .help(format!("write the angle with all digits{or}"))
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
         .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
     // Five digits are enough for most uses: only a hint.
