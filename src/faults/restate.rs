@@ -4,7 +4,7 @@ use compact_str::format_compact;
 use nalgebra::Isometry3;
 
 use crate::math::relation::{Relation, Tolerance};
-use crate::math::rotation::{rotation_angle_between, to_rpy};
+use crate::math::rotation::{is_near, to_rpy};
 use crate::source::{Place, SourceValue, Span};
 use crate::world::bag::TfEdge;
 use crate::world::robot::{ConsumerOpinion, NumberList, Robot};
@@ -62,8 +62,7 @@ pub(super) fn respell_claim(world: &mut World, number: usize, spelling: Spelling
 
 /// Whether two transforms differ by nothing that any rule sees.
 pub(super) fn is_same(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
-    (a.translation.vector - b.translation.vector).norm() <= 1e-6
-        && rotation_angle_between(&a.rotation, &b.rotation) <= 1e-6
+    is_near(a, b, [1e-6, 1e-6])
 }
 
 /// The relations that make one transform of another, seen from either of them and in either direction.
@@ -72,10 +71,8 @@ pub(super) fn relations_between(truth: &Isometry3<f64>, held: &Isometry3<f64>) -
     let length_m = truth.translation.vector.norm().max(held.translation.vector.norm());
     let distance_m = limits.distance_m + limits.relative_distance * length_m;
     let makes = |relation: &Relation, from: &Isometry3<f64>, to: &Isometry3<f64>| {
-        relation.apply(from).is_some_and(|made| {
-            rotation_angle_between(&made.rotation, &to.rotation) <= limits.angle_rad
-                && (made.translation.vector - to.translation.vector).norm() <= distance_m
-        })
+        let made = relation.apply(from);
+        made.is_some_and(|made| is_near(&made, to, [limits.angle_rad, distance_m]))
     };
     let turned = [truth.inverse(), held.inverse()];
     let fits = |relation: &&Relation| {

@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use super::restate::{relations_between, restate_claim, restate_edge, scale_angles};
 use super::{Change, Fault, Subject, SubjectPlace};
 use crate::math::relation::Relation;
-use crate::math::rotation::rotation_angle_between;
+use crate::math::rotation::is_near;
 use crate::world::{ClaimKind, World};
 
 macro_rules! statements {
@@ -72,7 +72,7 @@ statements! {
 }
 
 /// A smaller change is none: an angle in radians and a distance in metres.
-const LEAST: (f64, f64) = (1e-3, 1e-3);
+const LEAST: [f64; 2] = [1e-3, 1e-3];
 
 /// A statement with the error of a relation.
 struct Restated(Relation);
@@ -94,12 +94,6 @@ impl Restated {
         let held = self.0.apply(&truth)?;
         (!is_near(&truth, &held, LEAST)).then_some([truth, held])
     }
-}
-
-/// Whether two transforms differ by no more than an angle (radians) and a distance (metres).
-fn is_near(a: &Isometry3<f64>, b: &Isometry3<f64>, (angle_rad, distance_m): (f64, f64)) -> bool {
-    rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
-        && (a.translation.vector - b.translation.vector).norm() <= distance_m
 }
 
 impl Change for Restated {

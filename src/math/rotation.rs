@@ -52,6 +52,12 @@ pub fn rotation_angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) 
     2.0 * turn.imag().norm().atan2(turn.w.abs())
 }
 
+/// Whether two transforms between the same frames differ by no more than an angle (radians) and a distance (metres).
+pub fn is_near(a: &Isometry3<f64>, b: &Isometry3<f64>, [angle_rad, distance_m]: [f64; 2]) -> bool {
+    rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
+        && (a.translation.vector - b.translation.vector).norm() <= distance_m
+}
+
 /// The norm of a raw quaternion `[x, y, z, w]`. 1 for a rotation; not finite when a component is not.
 pub fn quaternion_norm(xyzw: [f64; 4]) -> f64 {
     let [x, y, z, w] = xyzw;

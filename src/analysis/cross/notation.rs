@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
-use crate::math::{relation::Tolerance, rotation::rotation_angle_between};
+use crate::math::{relation::Tolerance, rotation::is_near};
 use crate::source::{Confidence, SourceId};
 
 /// Files, each with the ways in which its keys name frames (`t_<1>_<2>`), and what they mean.
@@ -70,14 +70,11 @@ fn is_directed(pair: &Pair) -> bool {
 
 /// Within the tolerance of relations.
 fn is_equal(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
-    let Tolerance {
-        angle_rad, distance_m, ..
-    } = Tolerance::default();
-    rotation_angle_between(&a.rotation, &b.rotation) <= angle_rad
-        && (a.translation.vector - b.translation.vector).norm() <= distance_m
+    let tolerance = Tolerance::default();
+    is_near(a, b, [tolerance.angle_rad, tolerance.distance_m])
 }
 
-/// How the key of a statement names its frames; `None` where they are not both in the key, or or the program that reads the file says what it means.
+/// How the key of a statement names its frames; `None` where they are not both in the key, or the program that reads the file says what it means.
 fn notation(one: &Statement) -> Option<Notation> {
     let (first, second) = (&one.called.0, &one.called.1);
     let mut names = match one.direction {

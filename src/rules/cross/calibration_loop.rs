@@ -143,7 +143,7 @@ fn loops<'s>(statements: &[&'s Statement]) -> (Vec<Loop<'s>>, bool) {
     (loops, false)
 }
 
-/// What is left of a closed loop, over that of three calibrations.
+/// The residual of a closed loop over that of three calibrations.
 fn sigmas(closure: &Isometry3<f64>, limits: &Limits) -> f64 {
     let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
     (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt()

@@ -68,7 +68,9 @@ impl Rule for FrameAliases {
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
         let mut of_files: BTreeMap<SourceId, FileTransforms> = BTreeMap::new();
+        let mut asked_of: BTreeMap<SourceId, usize> = BTreeMap::new();
         for one in &asked {
+            *asked_of.entry(one.claim.place.source).or_default() += 1;
             of_files.entry(one.claim.place.source).or_default().add(one.stated);
         }
         for one in &asked {
@@ -92,11 +94,8 @@ impl Rule for FrameAliases {
                 suspicion.finding.severity = Severity::Warning;
                 suspicion.finding = suspicion.finding.hint();
             }
-            let of_file = asked
-                .iter()
-                .filter(|one| one.claim.place.source == suspicion.file)
-                .count();
-            if suspicion.is_of_keys && suspicion.relation == Relation::Inverse && alike > 1 && alike == of_file {
+            let are_all = asked_of.get(&suspicion.file) == Some(&alike);
+            if suspicion.is_of_keys && suspicion.relation == Relation::Inverse && alike > 1 && are_all {
                 let detail = "All keys of the file are inverted alike: they may mean the other direction.";
                 suspicion.finding = suspicion.finding.hint().detail(detail);
             }
