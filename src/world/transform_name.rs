@@ -87,21 +87,15 @@ const LEADING: &[&str] = &[
     "static",
 ];
 /// Words that are not a frame by themselves and belong to the word before them.
-const GLUED: &[&str] = &[
-    "link",
-    "frame",
-    "optical",
-    "footprint",
-    "left",
-    "right",
-    "front",
-    "rear",
-    "center",
-    "top",
-];
+const GLUED: &[&str] = &["link", "frame", "optical", "footprint"];
+/// Words of a side, which belong to the word before them (`camera_left`), or after that of a platform to the word behind them.
+const SIDES: &[&str] = &["left", "right", "front", "rear", "center", "top"];
+/// Words of the platform itself, which has no left and no right one: `T_base_rear_lidar` is of the rear lidar.
+const PLATFORMS: &[&str] = &["base", "body", "vehicle", "ego", "robot", "car"];
+
 /// Whether a word is not a frame by itself and belongs to the word before it (`base_link`, `camera_left`).
 pub(crate) fn is_glued(word: &str) -> bool {
-    GLUED.contains(&word)
+    GLUED.contains(&word) || SIDES.contains(&word)
 }
 
 /// Three-letter words that only look like `Tbc` or `TAB`.
@@ -327,12 +321,16 @@ fn prefix(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
         return Some(name(target, source, NameStyle::Prefix, part, false));
     }
     // A frame may have several words: `T_base_link_camera_left`.
+    let is_one_of = |word: &Word<'_>, list: &[&str]| list.contains(&word.text.to_lowercase().as_str());
+    let is_side = |word: &Word<'_>| is_one_of(word, SIDES);
+    let is_of_a_platform = |frame: &[Word<'_>]| frame.first().is_some_and(|word| is_one_of(word, PLATFORMS));
     let mut frames: Vec<Vec<Word<'_>>> = Vec::new();
     for word in rest {
-        let lower = word.text.to_lowercase();
-        let glued = GLUED.contains(&lower.as_str()) || lower.chars().all(|c| c.is_ascii_digit());
+        let is_number = word.text.chars().all(|c| c.is_ascii_digit());
         match frames.last_mut() {
-            Some(frame) if glued => frame.push(*word),
+            Some(frame) if frame.iter().all(is_side) => frame.push(*word),
+            Some(frame) if is_side(word) && !is_of_a_platform(frame) => frame.push(*word),
+            Some(frame) if is_one_of(word, GLUED) || is_number => frame.push(*word),
             _ => frames.push(vec![*word]),
         }
     }

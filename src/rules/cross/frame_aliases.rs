@@ -9,6 +9,7 @@ use crate::analysis::cross::exact;
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId};
+use crate::world::transform_name::{self, NameStyle};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 pub(crate) struct FrameAliases;
@@ -48,10 +49,12 @@ impl Rule for FrameAliases {
             else {
                 continue;
             };
-            // A key whose reading is a guess may also mean the other direction.
-            let is_read = *roles || claim.reading > Confidence::Hint;
-            let is_whole = claim.has_rotation && claim.has_translation && is_read;
             let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
+            // A key whose reading is a guess may also mean the other direction. Which words are a frame is no guess where the robot has it.
+            let is_prefix = || transform_name::parse(&claim.label).is_some_and(|name| name.style == NameStyle::Prefix);
+            let is_split = || (is_known(target) || is_known(source)) && is_prefix();
+            let is_read = *roles || claim.reading > Confidence::Hint || is_split();
+            let is_whole = claim.has_rotation && claim.has_translation && is_read;
             // Frames of one name are compared by CROSS01 and CROSS02.
             if !is_whole || is_known(target) && is_known(source) {
                 continue;

@@ -60,6 +60,9 @@ fn every_style_is_read_as_target_from_source() {
         ("lidar_to_imu_translation", "imu<-lidar t ?"),
         ("lidar_to_imu_rotation", "imu<-lidar R ?"),
         ("T_base_link_lidar", "base_link<-lidar ?"),
+        ("T_base_rear_lidar", "base<-rear_lidar ?"),
+        ("T_base_link_front_left_camera", "base_link<-front_left_camera ?"),
+        ("T_camera_left_lidar", "camera_left<-lidar ?"),
         ("T_cam_left_imu", "cam_left<-imu ?"),
     ] {
         assert_eq!(read(key), expected, "{key}");
