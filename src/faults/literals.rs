@@ -8,6 +8,7 @@ use crate::math::rotation;
 use crate::world::bag::{TfEdge, TfFault};
 use crate::world::{Claim, ClaimKind, Pose, Spelling, World};
 
+use super::subject::constant_edges;
 use super::{Change, Fault, Subject, SubjectPlace, restate};
 
 /// Deviation from a rotation beyond which a reader takes a matrix for none.
@@ -25,11 +26,8 @@ impl Change for Written {
         let claims = claims.filter(|(_, claim)| claim.pose.is_some() && (self.claim)(claim).is_some());
         let mut subjects: Vec<Subject> = claims.map(|(number, claim)| of_claim(number, claim)).collect();
         if self.edge.is_some() {
-            for (bag, evidence) in world.bags.iter().enumerate() {
-                let edges = evidence.tf.iter().enumerate();
-                let edges = edges.filter(|(_, edge)| edge.is_static && !edge.samples.is_empty());
-                subjects.extend(edges.map(|(number, edge)| of_edge([bag, number], edge)));
-            }
+            let edges = constant_edges(world).into_iter();
+            subjects.extend(edges.map(|(at, edge)| of_edge(at, edge)));
         }
         subjects
     }

@@ -3,6 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::restate::{relations_between, restate_claim, restate_edge, scale_angles};
+use super::subject::constant_edges;
 use super::{Change, Fault, Subject, SubjectPlace};
 use crate::math::relation::Relation;
 use crate::math::rotation::is_near;
@@ -157,24 +158,17 @@ fn claims(world: &World) -> impl Iterator<Item = Subject> {
     })
 }
 
-/// The static transforms of recordings.
+/// The constant transforms of recordings.
 fn edges(world: &World) -> impl Iterator<Item = Subject> {
-    let bags = world.bags.iter().enumerate();
-    bags.flat_map(move |(bag, evidence)| {
-        let edges = evidence.tf.iter().enumerate().filter(|(_, edge)| edge.is_static);
-        edges.map(move |(number, edge)| {
-            let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
-            let path = if world.bags.len() > 1 {
-                format!("`{}`: ", world.path(evidence.source))
-            } else {
-                String::new()
-            };
-            Subject {
-                name: format!("{path}`{}`: `{parent}` -> `{child}`", edge.topic),
-                words: frames_in_rows(parent.as_str(), child.as_str()),
-                at: SubjectPlace::Edge { bag, edge: number },
-            }
-        })
+    constant_edges(world).into_iter().map(|([bag, number], edge)| {
+        let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+        let recording = world.bags.get(bag).filter(|_| world.bags.len() > 1);
+        let path = recording.map_or_else(String::new, |bag| format!("`{}`: ", world.path(bag.source)));
+        Subject {
+            name: format!("{path}`{}`: `{parent}` -> `{child}`", edge.topic),
+            words: frames_in_rows(parent.as_str(), child.as_str()),
+            at: SubjectPlace::Edge { bag, edge: number },
+        }
     })
 }
 

@@ -1,8 +1,9 @@
 //! What a mistake is put into.
 
 use super::motion::Stream;
-use crate::world::FrameId;
-use crate::world::bag::TopicEvidence;
+use crate::world::bag::{TfEdge, TopicEvidence};
+use crate::world::graph::EdgeOrigin;
+use crate::world::{FrameId, World};
 
 /// Something of a world that can have a mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,4 +69,19 @@ impl Subject {
     pub fn is_in(&self, text: &str) -> bool {
         self.words.iter().any(|word| text.contains(word.as_str()))
     }
+}
+
+/// The constant transforms of recordings, each with the numbers of its recording and of itself, in their order.
+pub(super) fn constant_edges(world: &World) -> Vec<([usize; 2], &TfEdge)> {
+    let rigid = world.graph().edges.iter().filter(|edge| edge.is_rigid);
+    let recorded = rigid.filter_map(|edge| {
+        let EdgeOrigin::Tf(bag, number) = edge.origin else {
+            return None;
+        };
+        let (_, of) = edge.origin.recorded(world)?;
+        Some(([bag, number], of))
+    });
+    let mut edges: Vec<([usize; 2], &TfEdge)> = recorded.filter(|(_, of)| !of.samples.is_empty()).collect();
+    edges.sort_by_key(|(at, _)| *at);
+    edges
 }

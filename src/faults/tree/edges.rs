@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::faults::literals::of_edge;
+use crate::faults::subject::constant_edges;
 use crate::faults::{Change, Subject, SubjectPlace};
 use crate::source::Place;
 use crate::world::bag::{ParentSwitch, TfEdge, TfSample};
@@ -25,18 +26,12 @@ pub(super) enum TfMistake {
 
 impl Change for TfMistake {
     fn subjects(&self, world: &World) -> Vec<Subject> {
-        let mut subjects = Vec::new();
-        for (bag, evidence) in world.bags.iter().enumerate() {
-            for (number, edge) in evidence.tf.iter().enumerate() {
-                // What moves has mistakes of its own.
-                let can =
-                    edge.is_static && !edge.samples.is_empty() && edge.parent.canonical() != edge.child.canonical();
-                if can && self.counts(world, evidence, edge) {
-                    subjects.push(of_edge([bag, number], edge));
-                }
-            }
-        }
-        subjects
+        // What moves has mistakes of its own.
+        let edges = constant_edges(world).into_iter().filter(|([bag, _], edge)| {
+            let counts = || world.bags.get(*bag).is_some_and(|bag| self.counts(world, bag, edge));
+            edge.parent.canonical() != edge.child.canonical() && counts()
+        });
+        edges.map(|(at, edge)| of_edge(at, edge)).collect()
     }
 
     fn apply(&self, world: &mut World, subject: &Subject) -> bool {
@@ -147,14 +142,24 @@ fn other_parent(bag: &BagEvidence, edge: &TfEdge) -> Option<FrameId> {
         .find(|other| *other != parent && !own.contains(other))
 }
 
-/// Publishes a transform once more, between other frames, right after another.
+/// Publishes a transform once more, between other frames, right after another: a latched one once, others as often.
 fn add(bag: &mut BagEvidence, beside: &TfEdge, parent: &FrameId, child: &FrameId) {
     let Some(first) = beside.samples.first() else { return };
     let sample = TfSample {
         at: beside.first_at.clone(),
         pose: first.pose,
     };
-    bag.tf.push(TfEdge::once(parent.clone(), child.clone(), sample));
+    let (added, switches) = if beside.is_static {
+        (TfEdge::once(parent.clone(), child.clone(), sample), 1)
+    } else {
+        let again = TfEdge {
+            parent: parent.clone(),
+            child: child.clone(),
+            ..beside.clone()
+        };
+        (again, 2 * beside.count - 1)
+    };
+    bag.tf.push(added);
     let child = child.canonical();
     let parents = bag.tf.iter().filter(|edge| edge.child.canonical() == child);
     let parents: Vec<FrameId> = parents.map(|edge| edge.parent.clone()).collect();
@@ -162,7 +167,7 @@ fn add(bag: &mut BagEvidence, beside: &TfEdge, parent: &FrameId, child: &FrameId
         bag.parent_switches.push(ParentSwitch {
             child,
             parents,
-            switches: 1,
+            switches,
             at: beside.first_at.clone(),
         });
     }
