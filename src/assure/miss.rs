@@ -24,7 +24,7 @@ impl Miss {
         // A row may also be about something else with the same frame, or compare other files.
         let own = [subject.words.first().map(String::as_str), subject.file()];
         let is_beside = |row: &Row| own.iter().flatten().filter(|word| !row.subject.contains(*word)).count();
-        let is_changed = |row: &Row| before(row, healthy).is_some_and(|before| before != row.outcome);
+        let is_changed = |row: &Row| outcome_before(row, healthy).is_some_and(|before| before != row.outcome);
         rows.sort_by_key(|row| {
             (
                 is_beside(row),
@@ -49,9 +49,16 @@ impl Miss {
         let lacks = about
             .iter()
             .find(|row| row.outcome == Outcome::NotEvaluated && row.applies());
+        let grown = grown(row, healthy);
         Self {
             reason: reason(row, altered),
             record: match (row.outcome, lacks) {
+                // A share grows with what is recorded.
+                (Outcome::Pass, _) if grown.is_some_and(|measured| measured.unit == "1") => record.to_owned(),
+                (Outcome::Pass, _) if grown.is_some() => format!(
+                    "nothing to record: {} measures it and allows as much; a smaller limit (`limits` in frames-lint.yaml) shows it",
+                    row.rule
+                ),
                 (Outcome::Pass, Some(other)) => {
                     let lack = other.reason.as_deref().unwrap_or_default();
                     format!(
@@ -61,7 +68,7 @@ impl Miss {
                 }
                 (Outcome::Pass, None) => {
                     format!(
-                        "more of the same does not help {}; another rule may show it with {record}",
+                        "more of the same does not help {}; what may show it: {record}",
                         row.rule
                     )
                 }
@@ -95,7 +102,7 @@ impl Miss {
 
     /// Where a rule would show it, and the user does not want to know.
     fn hidden(seen_by: Seers, subject: &Subject, [healthy, altered]: [&Verdict; 2]) -> Option<Self> {
-        let was = |row: &Row| before(row, healthy);
+        let was = |row: &Row| outcome_before(row, healthy);
         let is_hidden = |row: &&Row| match row.outcome {
             Outcome::Waived => true,
             Outcome::NotEvaluated => was(row).is_some_and(Outcome::is_judged) && is_off(row),
@@ -125,11 +132,28 @@ fn is_off(row: &Row) -> bool {
         .is_some_and(|why| why.starts_with("off for this file"))
 }
 
-/// The outcome of a row without the mistake.
-fn before(row: &Row, healthy: &Verdict) -> Option<Outcome> {
+/// A row without the mistake.
+fn before<'v>(row: &Row, healthy: &'v Verdict) -> Option<&'v Row> {
     let mut rows = healthy.rows.iter();
-    let before = rows.find(|other| other.rule == row.rule && other.subject == row.subject);
-    before.map(|row| row.outcome)
+    rows.find(|other| other.rule == row.rule && other.subject == row.subject)
+}
+
+fn outcome_before(row: &Row, healthy: &Verdict) -> Option<Outcome> {
+    before(row, healthy).map(|row| row.outcome)
+}
+
+/// Share of a limit by which a mistake changes what is measured.
+const CHANGE: f64 = 0.1;
+
+/// What a row that passes measures of the mistake: a value that grows with it, and stays within its limit.
+fn grown<'v>(row: &'v Row, healthy: &Verdict) -> Option<&'v Measured> {
+    let without = before(row, healthy).map_or(&[][..], |row| &row.measured);
+    let mut both = row.measured.iter().zip(without);
+    let grown = both.find(|(with, without)| {
+        let limit = with.limit.filter(|_| with.bound == Bound::Within);
+        limit.is_some_and(|limit| with.value.abs() - without.value.abs() > CHANGE * limit)
+    });
+    grown.map(|(with, _)| with)
 }
 
 fn reason(row: &Row, altered: &Verdict) -> String {

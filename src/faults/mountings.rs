@@ -319,11 +319,10 @@ const FORWARD: [&str; 6] = ["AXES12", "CROSS05", "AXES06", "AXES15", "CAMERA05",
 /// The rules that see where a sensor is.
 const PLACE: [&str; 4] = ["AXES09", "CROSS05", "ROT07", "CROSS02"];
 
-const GROUND: &str =
-    "flat ground in view of the lidar, or a second statement of the transform: the URDF or a calibration file";
-const HEIGHT: &str = "flat ground in view of the lidar, and base_footprint on the ground in /tf_static or the URDF; or a second statement of the transform";
-const DRIVE: &str = "30 s of driving with turns, with this sensor and odometry";
-const SECOND: &str = "a second statement of the transform: the URDF, /tf_static or a calibration file";
+const GROUND: &str = "flat ground in view (lidars), or a calibration file that states the transform independently of the robot's description (any sensor)";
+const HEIGHT: &str = "flat ground in view, and base_footprint on the ground in /tf_static or the URDF (lidars), or a calibration file that states the transform independently of the robot's description (any sensor)";
+const DRIVE: &str = "30 s of driving with turns, with this sensor and odometry (lidars, IMUs), or a calibration file that states the transform independently of the robot's description (any sensor)";
+const SECOND: &str = "a calibration file that states the transform independently of the robot's description";
 
 /// Every mistake of this kind.
 pub(super) static FAULTS: &[Fault] = &[

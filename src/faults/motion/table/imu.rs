@@ -31,6 +31,10 @@ macro_rules! imu {
     };
 }
 
+/// To record for the axes of a gyro about which a vehicle hardly rotates.
+const ROLLING: &str =
+    "a minute of motion with roll and pitch (ramps, bumps, or turned by hand), with the IMU's orientation and gyro";
+
 /// Relations of mistakes, and what these do.
 const KNOWN: &[KnownImuMistake] = &[
     ("ned-frd", ned_frd),
@@ -235,7 +239,7 @@ pub(super) static FAULTS: &[Fault] = &[
         [],
         ["does not follow its gyro about x"],
         ["QUAT01"],
-        WITH_IMU
+        ROLLING
     ),
     imu!(
         "imu-gyro-y-negated",
@@ -245,7 +249,7 @@ pub(super) static FAULTS: &[Fault] = &[
         [],
         ["does not follow its gyro about y"],
         ["QUAT01"],
-        WITH_IMU
+        ROLLING
     ),
     imu!(
         "imu-gyro-z-negated",
@@ -269,7 +273,7 @@ pub(super) static FAULTS: &[Fault] = &[
             "does not follow its gyro about y"
         ],
         ["QUAT01"],
-        WITH_IMU
+        ROLLING
     ),
     imu!(
         "imu-gyro-deg",
