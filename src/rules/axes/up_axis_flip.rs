@@ -83,11 +83,11 @@ fn judge_side(
     let (_, min_score) = limits.is_ground().least(&least.plane);
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
-        Measured::new(format!("angle between {word} and up"), off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("cells on the ground, reduced by points below it", least.score, "1")
+        Measured::new(format!("angle between {word} and up, by the transforms"), off_deg, "deg").limit(limits.max_off_deg),
+        Measured::new("score of the ground there: cells on it, less those with points below", least.score, "1")
             .at_least(min_score)
             .samples(of_side().count() as u64),
-        Measured::new("the same for the next best side", next, "1"),
+        Measured::new("score of the next best side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
@@ -107,21 +107,22 @@ fn judge_side(
     let but = match (&mount, &frame) {
         (Some(mount), _) if mount.is_base => format!("but `{}` is a base with z up", mount.base),
         (Some(mount), Some(frame)) => {
-            format!("but `{}_from_{frame}` puts it {off_deg:.0} deg from up", mount.base)
+            format!("but `{}_from_{frame}` puts {word} {off_deg:.0} deg from up", mount.base)
         }
         _ => match &against {
             Some(who) => format!("but by gravity of {who} it points down"),
             None => "not z".to_owned(),
         },
     };
-    let message = format!("`{}`: {word} of the cloud points up, {but}", clouds.topic.topic);
+    let message = format!("`{}`: by the ground in it {word} points up, {but}", clouds.topic.topic);
     let is_known = mount.is_some() || against.is_some();
     let untied = if is_known {
         ""
     } else {
         " No transform ties its frame to a base."
     };
-    let detail = format!("The ground is visible on the opposite side of the sensor: {what}.{untied}");
+    let ground = word.strip_prefix('-').map_or_else(|| format!("-{word}"), str::to_owned);
+    let detail = format!("The points show the ground in the direction of {ground}: {what}.{untied}");
     let finding = if is_known {
         Finding::error(subject, message, clouds.place())
     } else {
@@ -198,7 +199,7 @@ fn named(side: &str) -> (&'static str, &'static str, &'static str) {
         "-z" => (
             "x180",
             "z points down",
-            "add the rotation of the upside-down mounting to TF, or let the driver correct it, but not both",
+            "if the sensor hangs upside down, add that rotation (roll or pitch of 180 deg: the ground does not show which) to its transform; if it stands upright, switch off the flip in its driver",
         ),
         "-y" => (
             "optical",

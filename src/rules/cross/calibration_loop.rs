@@ -176,7 +176,7 @@ impl Loop<'_> {
         let measured = [
             Measured::new("residual angle", angle_deg, "deg").turn(),
             Measured::new("residual distance", distance_m, "m"),
-            Measured::new("residual over that of three calibrations", sigmas, "1").limit(limits.warn_sigmas),
+            Measured::new("residual as a multiple of that of three usual calibrations", sigmas, "1").limit(limits.warn_sigmas),
         ];
         if sigmas <= limits.warn_sigmas {
             return out.pass(subject, measured);
@@ -220,7 +220,11 @@ impl Loop<'_> {
         let mut finding = finding
             .likely()
             .detail(detail)
-            .help("calibrate the three transforms together, or find the one that is wrong and calibrate it again");
+            .help(match culprits.as_slice() {
+                [] => "calibrate the three transforms together, or find the one that is wrong and calibrate it again",
+                [_] => "correct that error; calibrate again only if the loop does not close then",
+                _ => "find out which of them has its error, and correct it; calibrate again only if the loop does not close then",
+            });
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
         }

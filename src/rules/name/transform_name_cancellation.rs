@@ -238,12 +238,12 @@ fn judge_keys(world: &World, out: &mut Judge) {
         )
         .hint()
         .detail(format!(
-            "In some projects such a name takes points from `{}` to `{}`; in others it is the pose of one in the other.",
+            "It can take points from `{}` to `{}`, or be the pose of `{1}` in `{0}`, which is the inverse.",
             name.source, name.target
         ))
         .help(format!(
-            "use an unambiguous name, such as `{}_from_{}`",
-            name.target, name.source
+            "look up how the program that reads the file applies it, and declare that in frames-lint.yaml: `transforms: [{{key: '{}', is: {} from {}}}]`, or the other way round; a new key, such as `{1}_from_{2}`, is clear without it",
+            claim.label, name.target, name.source
         ));
         out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));
     }

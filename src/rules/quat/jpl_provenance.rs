@@ -44,7 +44,7 @@ fn directions(claim: &Claim) -> String {
         format!("({:.2}, {:.2}, {:.2})", z.x, z.y, z.z)
     });
     format!(
-        " As read here, z of `{source}` points along {read} of `{target}`, in the other convention along {inverse}: compare with the mounting."
+        " Read as Hamilton, z of `{source}` points along {read} of `{target}`; read as JPL, along {inverse}: the one that the mounting has is right."
     )
 }
 
@@ -69,7 +69,7 @@ fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place:
             "Doubt: {doubt} In the other convention the same numbers are the inverse rotation."
         ))
         .help(format!(
-            "find out which convention the program that wrote this file used, and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
+            "find out which convention the program that wrote this file used (its version, or the mounting), and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
             file.file
         ));
     out.fail(finding.measured(count(2)));

@@ -89,11 +89,11 @@ impl Review for RotationErrorBudget {
             count => format!("{count} more findings have such numbers for their angles."),
         };
         let (rule, moved) = (&finding.rule, moved.join(", "));
-        let message = format!("what is placed by the rotation of {rule} is off by {moved}");
+        let message = format!("the error that {rule} found moves points by {moved}");
         let note = Finding::note(subject, message, primary.place.clone())
             .detail(format!("The finding of {rule}: {}.", finding.message))
             .detail(more)
-            .help("correct that finding; until then, compare the errors with the accuracy that the map, the labels or the planner need")
+            .help(format!("do what {rule} says; until then, compare the errors with the accuracy that the map, the labels or the planner need"))
             .measured(Measured::new("angle", turn_deg, "deg"));
         out.fail(note.measured(limits.measured(turn_deg)));
     }
