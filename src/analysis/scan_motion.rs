@@ -6,7 +6,6 @@
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hasher};
 use std::rc::Rc;
-use std::sync::Arc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
@@ -43,7 +42,7 @@ pub(crate) struct Steps {
     pub(crate) why: &'static str,
     /// Rotates the cloud's axes so that its z is normal to the ground, up or down as before.
     level_from_cloud: UnitQuaternion<f64>,
-    runs: Arc<Vec<Vec<CloudPose>>>,
+    runs: Vec<Vec<CloudPose>>,
 }
 
 impl Steps {
@@ -74,7 +73,7 @@ impl Steps {
 
     fn put_together(&self, is_enough: impl Fn(&ScanStep) -> bool, keeps_rest: bool) -> Vec<ScanStep> {
         let mut chained = Vec::new();
-        for run in self.runs.iter() {
+        for run in &self.runs {
             let Some((mut from, rest)) = run.split_first() else {
                 continue;
             };
@@ -134,9 +133,12 @@ fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
             is_up: level.is_up,
             why: NO_GROUND,
             level_from_cloud: level.level_from_cloud,
-            runs: world.shared(
-                |hasher| level.hash(clouds, hasher),
-                || runs(clouds, |point| level.flat(point)),
+            runs: timed(
+                clouds,
+                &world.shared(
+                    |hasher| level.hash(clouds, hasher),
+                    || runs(clouds, |point| level.flat(point)),
+                ),
             ),
         },
         Err(why) => Steps {
@@ -186,7 +188,7 @@ impl Flattening {
         })
     }
 
-    /// Everything that [`runs`] depends on.
+    /// Everything that [`runs`] depends on: of times the differences alone.
     fn hash(&self, clouds: &Clouds, hasher: &mut DefaultHasher) {
         hash_numbers(hasher, self.level_from_cloud.coords.iter().copied());
         if let Some((upright, sensor)) = &self.ground {
@@ -200,10 +202,16 @@ impl Flattening {
                 hash_numbers(hasher, slice.points.iter().flatten().chain(&slice.after).copied());
             }
         }
-        hasher.write_i64(clouds.bag.start_ns.unwrap_or_default());
-        for slice in clouds.evidence.runs.iter().flatten() {
-            hasher.write_i64(slice.stamp_ns.unwrap_or_default());
-            hasher.write_i64(slice.log_ns);
+        let slices = clouds.evidence.runs.iter().flatten();
+        let first = clouds.evidence.runs.iter().flatten().next();
+        for (slice, first) in slices.zip(first.into_iter().cycle()) {
+            let after_ns = slice
+                .stamp_ns
+                .zip(first.stamp_ns)
+                .map(|(to, from)| to.wrapping_sub(from));
+            hasher.write_u8(u8::from(slice.stamp_ns.is_some()));
+            hasher.write_i64(after_ns.unwrap_or_default());
+            hasher.write_i64(slice.log_ns.wrapping_sub(first.log_ns));
         }
     }
 
@@ -292,16 +300,38 @@ fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     Ok(up > 0.0)
 }
 
+/// The times of the clouds that are kept, run by run.
+fn moments(clouds: &Clouds) -> Vec<Vec<Moment>> {
+    let start_ns = clouds.bag.start_ns.unwrap_or_default();
+    let runs = clouds.evidence.runs.iter();
+    let moments = |run: &Vec<CloudSlice>| {
+        let slices = run.iter();
+        slices
+            .map(|slice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns))
+            .collect()
+    };
+    runs.map(moments).collect()
+}
+
+/// Matched clouds at the times of these: others with the same differences of time have the same motions.
+fn timed(clouds: &Clouds, runs: &[Vec<CloudPose>]) -> Vec<Vec<CloudPose>> {
+    let moments = moments(clouds).concat();
+    let at = |pose: &CloudPose| Some(pose.at(*moments.get(pose.number)?));
+    runs.iter().map(|run| run.iter().filter_map(at).collect()).collect()
+}
+
 /// The matched clouds of each run; `flat` projects the points that are used.
 fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<CloudPose>> {
-    let start_ns = clouds.bag.start_ns.unwrap_or_default();
-    let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
-    let second = unit_of_times(&clouds.evidence.runs, moment);
+    let moments = moments(clouds);
+    let second = unit_of_times(&clouds.evidence.runs, &moments);
+    let mut numbers = 0..;
     let mut runs = Vec::new();
-    for run in &clouds.evidence.runs {
+    for (run, moments) in clouds.evidence.runs.iter().zip(&moments) {
         let mut raw = run
             .iter()
-            .map(|slice| RawCloud::of(moment(slice), slice, second, &flat));
+            .zip(moments)
+            .zip(&mut numbers)
+            .map(|((slice, moment), number)| RawCloud::of((number, *moment), slice, second, &flat));
         let Some(first) = raw.next() else { continue };
         let mut matching = Matching::of(first);
         for raw in raw {
@@ -316,12 +346,12 @@ fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -
 }
 
 /// Length of the unit of point times, seconds: a cloud takes no longer than the time to the next one. `None` if no unit fits.
-fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Moment) -> Option<f64> {
-    let neighbours = runs.iter().flat_map(|run| run.windows(2));
+fn unit_of_times(runs: &[Vec<CloudSlice>], moments: &[Vec<Moment>]) -> Option<f64> {
+    let neighbours = moments.iter().flat_map(|run| run.windows(2));
     let apart_s: Vec<f64> = neighbours
         .filter_map(|pair| {
             let [from, to] = pair else { return None };
-            Some(moment(to).since(&moment(from)))
+            Some(to.since(from))
         })
         .collect();
     let slices = runs.iter().flatten();

@@ -114,6 +114,29 @@ const MADE: &[(&str, &str, &str)] = &[
     ("stamps-behind", "imu", "stamp_offset_s: -0.3"),
 ];
 
+/// A drive of what scans.
+const SCANNED: &str = "
+duration_s: 40
+drive: {vehicle: robot, motion: turning, seed: 6}
+topics:
+  - topic: /tf_static
+    transforms:
+      - {parent: base_link, child: velodyne, xyz: [0, 0, 1.8]}
+      - {parent: base_link, child: laser, xyz: [0.3, 0, 0.3]}
+  - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: base_link}
+  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: velodyne, xyz: [0, 0, 1.8]@points, lidar: {beams: 16, columns: 360, driver: velodyne}}
+  - {topic: /scan, from_drive: laser, rate_hz: 10, frame_id: laser, xyz: [0.3, 0, 0.3]@scan, laser: {rays: 181}}
+";
+
+/// Mistakes of scans, as [`MADE`].
+const MADE_IN_SCANS: &[(&str, &str, &str)] = &[
+    ("stamps-late", "points", "late_s: 0.1"),
+    ("stamps-later", "points", "late_s: 0.3"),
+    ("stamps-later", "scan", "late_s: 0.3"),
+    ("stamps-ahead", "points", "stamp_offset_s: 0.3"),
+    ("stamps-behind", "scan", "stamp_offset_s: -0.3"),
+];
+
 /// Rule, subject and relation of a finding.
 type FindingKey = (String, String, Option<String>);
 
@@ -122,7 +145,7 @@ pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     let mut recipe = recipe.to_owned();
-    for stream in ["imu", "odom", "pose", "map", "fix"] {
+    for stream in ["imu", "odom", "pose", "map", "fix", "points", "scan"] {
         let knob = made.filter(|(of, _)| *of == stream);
         recipe = recipe.replace(
             &format!("@{stream}"),
@@ -159,11 +182,15 @@ fn known(name: &str) -> &'static Fault {
 fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
     let rules = Rules::select(&[]).unwrap();
     let (mut same, mut differences, mut named) = (0, Vec::new(), 0);
-    for vehicle in ["car", "drone"] {
-        let recipe = DRIVE.replace("vehicle: car", &format!("vehicle: {vehicle}"));
-        let healthy = collected(&recipe, None);
+    let drone = DRIVE.replace("vehicle: car", "vehicle: drone");
+    for (vehicle, recipe, made) in [
+        ("car", DRIVE, MADE),
+        ("drone", &drone, MADE),
+        ("robot", SCANNED, MADE_IN_SCANS),
+    ] {
+        let healthy = collected(recipe, None);
         eprintln!("{vehicle}, healthy: {:?}", finding_keys(&healthy, &rules));
-        for (name, stream, knob) in MADE {
+        for (name, stream, knob) in made {
             let fault = known(name);
             let word = format!("`/{stream}`");
             let subjects = fault.change.subjects(&healthy);
@@ -171,7 +198,7 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
             let mut altered = healthy.clone();
             let is_applied = fault.change.apply(&mut altered, subject);
             altered.absorb(Facts::default());
-            let truth = collected(&recipe, Some((stream, knob)));
+            let truth = collected(recipe, Some((stream, knob)));
             let (ours, theirs) = (finding_keys(&altered, &rules), finding_keys(&truth, &rules));
             let by_name = rules
                 .judge(&truth)

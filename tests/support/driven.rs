@@ -148,7 +148,7 @@ impl Topic {
                 DriveSource::Lidar => {
                     let lidar = self.lidar();
                     let (scanner, scene) = (lidar.scanner(), drive.scene(lidar.surroundings));
-                    let starts = ticks.iter().map(|tick| tick - lidar.before_stamp_s());
+                    let starts = ticks.iter().map(|tick| tick - stream.late_s - lidar.before_stamp_s());
                     let scan = |start_s| drive.scan(&scene, &scanner, &stream.base_from_sensor, start_s);
                     Rows::Scans(starts.map(scan).collect())
                 }

@@ -25,15 +25,23 @@ pub(crate) enum Clock {
 impl Clock {
     /// The clock of a stream.
     pub(crate) fn of<R: Row>(series: &Series<R>) -> Self {
-        let all: Vec<(i64, i64)> = series.rows().map(|row| (row.stamp_ns(), row.log_ns())).collect();
-        let offsets: Vec<f64> = all.iter().map(|(stamp, log)| seconds(*stamp, *log)).collect();
-        let (Some(first), Some(last), Some(offset_s)) = (all.first(), all.last(), median(&offsets)) else {
+        let runs = series.stretches.iter();
+        Self::of_times(runs.map(|rows| rows.iter().map(|row| (row.stamp_ns(), row.log_ns()))))
+    }
+
+    /// The clock of messages with these stamps and log times, nanoseconds, by runs without a gap.
+    pub(crate) fn of_times(runs: impl Iterator<Item: Iterator<Item = (i64, i64)>>) -> Self {
+        let runs: Vec<Vec<(i64, i64)>> = runs.map(Iterator::collect).collect();
+        let all = || runs.iter().flatten();
+        let offsets: Vec<f64> = all().map(|(stamp, log)| seconds(*stamp, *log)).collect();
+        let (Some(first), Some(last), Some(offset_s)) = (all().next(), all().next_back(), median(&offsets)) else {
             return Self::Log;
         };
-        let has_zero = all.iter().any(|(stamp, _)| *stamp == 0);
-        let stands = series.stretches.iter().any(|rows| {
-            rows.windows(2)
-                .any(|pair| matches!(pair, [a, b] if b.stamp_ns() <= a.stamp_ns()))
+        let has_zero = all().any(|(stamp, _)| *stamp == 0);
+        let stands = runs.iter().any(|times| {
+            times
+                .windows(2)
+                .any(|pair| matches!(pair, [(earlier, _), (later, _)] if later <= earlier))
         });
         let (by_stamp, by_log) = (seconds(last.0, first.0), seconds(last.1, first.1));
         let runs = if by_log >= MIN_RATE_SPAN_S {

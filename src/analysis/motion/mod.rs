@@ -4,7 +4,7 @@
 //! a frame's name declares another one. Must not judge.
 
 mod along;
-mod clock;
+pub(crate) mod clock;
 mod compass;
 mod convention;
 mod imu;

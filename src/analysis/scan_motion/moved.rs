@@ -5,41 +5,45 @@ use nalgebra::Isometry2;
 /// Stamps of one clock differ from log times by less than this, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
 
-/// Time of a cloud, seconds after the recording's start.
+/// Time of a cloud, nanoseconds after the recording's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moment {
-    stamp_s: Option<f64>,
-    log_s: f64,
+    stamp_ns: Option<i64>,
+    log_ns: i64,
 }
 
 impl Moment {
     /// Of a message with this stamp, if it has one, and log time.
     pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
-        let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
         Self {
-            stamp_s: stamp_ns.map(seconds),
-            log_s: seconds(log_ns),
+            stamp_ns: stamp_ns.map(|stamp_ns| stamp_ns.saturating_sub(start_ns)),
+            log_ns: log_ns.saturating_sub(start_ns),
         }
     }
 
     /// Time since another, seconds: by stamps, if both have them.
     pub(crate) fn since(&self, earlier: &Self) -> f64 {
-        match (self.stamp_s, earlier.stamp_s) {
-            (Some(to), Some(from)) => to - from,
-            _ => self.log_s - earlier.log_s,
-        }
+        seconds(match (self.stamp_ns, earlier.stamp_ns) {
+            (Some(to), Some(from)) => to.saturating_sub(from),
+            _ => self.log_ns.saturating_sub(earlier.log_ns),
+        })
     }
 
-    /// The same time on the clock of a stream with this offset between stamps and log times.
+    /// The same time on the clock of a stream with this offset between stamps and log times, seconds after the recording's start.
     pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
+        let log_s = seconds(self.log_ns);
         let by_stamps = self
-            .stamp_s
+            .stamp_ns
             .zip(stamp_offset_s)
-            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
+            .map(|(stamp_ns, offset_s)| seconds(stamp_ns) - offset_s);
         by_stamps
-            .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
-            .unwrap_or(self.log_s)
+            .filter(|t_s| (t_s - log_s).abs() < SAME_CLOCK_S)
+            .unwrap_or(log_s)
     }
+}
+
+fn seconds(ns: i64) -> f64 {
+    ns as f64 * 1e-9
 }
 
 /// The motion of a lidar between two of its clouds.

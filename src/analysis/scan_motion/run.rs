@@ -17,6 +17,8 @@ const KEY_OVERLAP: f64 = 0.7;
 /// A cloud of a run, with the pose of its sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CloudPose {
+    /// Number of the cloud among those that are kept.
+    pub(crate) number: usize,
     moment: Moment,
     /// `first_from_this`: in the axes of the run's first cloud.
     pose: Isometry2<f64>,
@@ -27,6 +29,11 @@ pub(crate) struct CloudPose {
 }
 
 impl CloudPose {
+    /// The same pose at another time.
+    pub(crate) fn at(self, moment: Moment) -> Self {
+        Self { moment, ..self }
+    }
+
     pub(crate) fn moved_to(&self, later: &Self) -> ScanStep {
         let motion = self.pose.inv_mul(&later.pose);
         let variance = self.variance + later.variance + (later.drift - self.drift).sup(&Vector2::zeros());
@@ -42,6 +49,7 @@ impl CloudPose {
 
 /// A cloud as measured by a moving sensor.
 pub(crate) struct RawCloud {
+    number: usize,
     moment: Moment,
     /// Points, and their times, seconds after the middle of the cloud.
     points: Vec<(Vector2<f64>, f64)>,
@@ -49,7 +57,7 @@ pub(crate) struct RawCloud {
 
 impl RawCloud {
     pub(crate) fn of(
-        moment: Moment,
+        (number, moment): (usize, Moment),
         slice: &CloudSlice,
         second: Option<f64>,
         flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>,
@@ -61,6 +69,7 @@ impl RawCloud {
         };
         let points = slice.points.iter().enumerate();
         Self {
+            number,
             moment,
             points: points
                 .filter_map(|(index, point)| Some((flat(&Vector3::from(*point))?, after_s(index))))
@@ -125,6 +134,7 @@ impl Matching {
             last: scan,
             step: None,
             seen: vec![CloudPose {
+                number: first.number,
                 moment: first.moment,
                 pose: Isometry2::identity(),
                 variance: Vector2::zeros(),
@@ -147,6 +157,7 @@ impl Matching {
         let step = last.pose.inv_mul(&pose);
         self.step = Some((step, Rate::of(&step, raw.moment.since(&last.moment))));
         self.seen.push(CloudPose {
+            number: raw.number,
             moment: raw.moment,
             pose,
             variance: Vector2::new(found.sigma_rad.powi(2), found.sigma_m.powi(2)),

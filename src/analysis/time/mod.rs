@@ -1,5 +1,6 @@
 //! Stamps, clocks and their offsets.
 
+pub(crate) mod header;
 pub(crate) mod known_offsets;
 pub(crate) mod lateness;
 pub(crate) mod naming;

@@ -256,6 +256,7 @@ pub(crate) struct Limits {
     pub(crate) max_pairs: usize,
     pub(crate) filter_s: f64,
     pub(crate) fix_s: f64,
+    pub(crate) scan_s: f64,
     pub(crate) sigmas: f64,
     pub(crate) steady_s: f64,
     pub(crate) max_lag_s: f64,

@@ -4,8 +4,13 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::analysis::Estimates;
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::clock::Clock;
 use crate::analysis::motion::{BagMotion, Course, Imu, Stream, TimedRow, Track};
 use crate::analysis::names;
+use crate::analysis::scan_motion::Steps;
+use crate::analysis::time::header::points_after_header_s;
 use crate::math::{circular::wrapped, readings::Reading, stats::median};
 use crate::source::Place;
 use crate::world::{FrameId, motion::Row};
@@ -35,6 +40,8 @@ pub(crate) enum Kind {
     Twist,
     /// GNSS fixes.
     Fix,
+    /// Scans of a lidar matched to each other.
+    Scan,
 }
 
 /// One signal.
@@ -54,6 +61,8 @@ pub(crate) struct Signal {
     pub(crate) stamp_offset_s: Option<f64>,
     /// Median step between two rows, seconds.
     pub(crate) period_s: f64,
+    /// Time that may lie between the stamp and the measurement of a message without a fault, seconds.
+    pub(crate) within_s: f64,
     pub(crate) place: Place,
 }
 
@@ -93,6 +102,51 @@ pub(crate) fn signals(bag: &BagMotion) -> Vec<Signal> {
     gyros.chain(poses).chain(filtered).chain(twists).chain(fixes).collect()
 }
 
+/// Shortest time between two scans of a rate, seconds: over one step at 40 Hz it is noise.
+const SCAN_STEP_S: f64 = 0.09;
+
+/// The signal of a lidar by its own scans: the rate about the level z of its clouds, at the time of their middle.
+pub(crate) fn scanned(world: &Estimates, clouds: &Clouds, steps: &Steps) -> Signal {
+    let runs = clouds.evidence.runs.iter();
+    let times = runs.map(|run| {
+        run.iter()
+            .map(|slice| (slice.stamp_ns.unwrap_or_default(), slice.log_ns))
+    });
+    let stamp_offset_s = Clock::of_times(times).stamp_offset_s();
+    let period_s = clouds.period_s().unwrap_or(f64::NAN);
+    let middle_s = middle_after_header_s(world, clouds).filter(|middle_s| middle_s.abs() < period_s);
+    let moved = steps.chained(|moved| moved.lasted_s() >= SCAN_STEP_S);
+    let rates = moved.iter().map(|moved| {
+        let [from_s, to_s] = [moved.from, moved.to].map(|moment| moment.on(stamp_offset_s));
+        let t_s = f64::midpoint(from_s, to_s) + middle_s.unwrap_or_default();
+        (t_s, moved.turned_rad() / moved.lasted_s())
+    });
+    let subject = format!("topic `{}`", clouds.topic.topic);
+    Signal {
+        kind: Kind::Scan,
+        stream: subject.clone(),
+        subject,
+        body: None,
+        yaw_rate: vec![rates.collect()],
+        speed: Runs::default(),
+        stamp_offset_s,
+        period_s,
+        // The stamp is that of the first point, of the last, or of one between them.
+        within_s: middle_s.map_or(period_s / 2.0, |_| 0.0),
+        place: clouds.place(),
+    }
+}
+
+/// From the stamp of the header to the middle of the scan, seconds: the median over the clouds.
+fn middle_after_header_s(world: &Estimates, clouds: &Clouds) -> Option<f64> {
+    let limits = world.limits();
+    let middles = clouds.timed().filter_map(|(sample, times)| {
+        let [first_s, last_s] = points_after_header_s(clouds, sample, times, &limits)?;
+        Some(f64::midpoint(first_s, last_s))
+    });
+    median(&middles.collect::<Vec<f64>>())
+}
+
 fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&Track>) -> Signal {
     let steps = stream.stretches.iter().flat_map(|rows| rows.windows(2));
     let steps: Vec<f64> = steps
@@ -101,6 +155,7 @@ fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&T
             _ => None,
         })
         .collect();
+    let period_s = median(&steps).unwrap_or(f64::NAN);
     let speeds = track.map(|track| track.courses(0.0)).unwrap_or_default();
     let speed = |run: &Vec<Course>| run.iter().map(|course| (course.t_s, course.speed_m_s)).collect();
     Signal {
@@ -111,7 +166,9 @@ fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&T
         yaw_rate,
         speed: speeds.iter().map(speed).collect(),
         stamp_offset_s: stream.stamp_offset_s,
-        period_s: median(&steps).unwrap_or(f64::NAN),
+        period_s,
+        // Receivers compute for a while.
+        within_s: if kind == Kind::Fix { period_s } else { 0.0 },
         place: stream.place(),
     }
 }

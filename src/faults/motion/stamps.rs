@@ -23,7 +23,7 @@ pub(in crate::faults) enum StampChange {
     GpsEpoch,
     /// This many seconds more.
     Ahead(f64),
-    /// The same, for what shows small offsets: motion and clouds.
+    /// The same, for what shows small offsets: motion and scans.
     Offset(f64),
     /// Stamped on arrival, this many seconds after the measurement.
     OnArrival(f64),
@@ -68,8 +68,7 @@ impl StampChange {
     fn applies_to(&self, topic: &TopicEvidence) -> bool {
         let is_small = match self {
             Self::Ahead(seconds) => seconds.abs() < 1.0,
-            Self::OnArrival(_) => true,
-            Self::Offset(_) => topic.content.clouds.is_none(),
+            Self::OnArrival(_) | Self::Offset(_) => true,
             Self::GpsTime | Self::Tai | Self::GpsEpoch | Self::Zero => false,
         };
         // A clock that counts from a start has no epoch and no time scale.
@@ -78,8 +77,20 @@ impl StampChange {
         let first = topic.stamps.samples.first();
         let has_clock = !needs_calendar || first.is_some_and(|(stamp_ns, _)| is_calendar(*stamp_ns));
         let has_stamps = topic.stamps.count > topic.stamps.zero && has_clock;
-        has_stamps && (has_motion(topic) || !is_small && is_of_a_sensor(topic))
+        let shows_it = if is_small {
+            has_scans(topic)
+        } else {
+            is_of_a_sensor(topic)
+        };
+        has_stamps && (has_motion(topic) || shows_it)
     }
+}
+
+/// Whether neighbouring scans of a topic are kept, whose motion shows when they were measured.
+fn has_scans(topic: &TopicEvidence) -> bool {
+    let clouds = topic.content.clouds.as_ref();
+    let has_runs = clouds.is_some_and(|clouds| !clouds.runs.is_empty()) && topic.content.radar.is_none();
+    has_runs || topic.content.lasers.is_some()
 }
 
 /// Whether a topic has rows of motion.
@@ -160,7 +171,8 @@ fn change_times(topic: &mut TopicEvidence, change: impl Fn(&mut i64, &mut i64)) 
 
 /// Changes stamp and log time of what is kept of clouds and of scans of a radar.
 fn change_sweeps(content: &mut ContentEvidence, change: impl Fn(&mut i64, &mut i64)) {
-    let clouds = content.clouds.iter_mut();
+    let lasers = content.lasers.iter_mut().map(|laser| &mut laser.projected);
+    let clouds = content.clouds.iter_mut().chain(lasers);
     let slices = clouds.flat_map(|clouds| clouds.runs.iter_mut().flatten());
     let slices = slices.map(|slice| (&mut slice.stamp_ns, &mut slice.log_ns));
     let radars = content.radar.iter_mut();

@@ -1,22 +1,13 @@
 //! TIME08: at which moment of a scan its header is stamped.
 
 use crate::analysis::lidar::Clouds;
+use crate::analysis::time::header::{Limits, points_after_header_s};
 use crate::analysis::time::known_offsets::{Explanation, Tolerance, explain};
 use crate::analysis::time::streams::log_start_s;
 use crate::rules::prelude::*;
-use crate::tables::TimeOrigin;
 use crate::world::cloud::{CloudSample, PointTimes};
 
 pub(crate) struct PointTimeReference;
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Limits {
-    min_clouds: usize,
-    near: f64,
-    beside: f64,
-    epoch_s: f64,
-}
 
 /// The moment of a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -143,19 +134,7 @@ fn scan_timing<'w>(
     times: &PointTimes,
     limits: &Limits,
 ) -> Option<ScanTiming<'w>> {
-    let (unit_s, _) = clouds.unit(times)?;
-    let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
-    let is_absolute = match clouds.driver.and_then(|driver| driver.time.as_ref()) {
-        Some(time) => time.counts_from == TimeOrigin::Epoch,
-        None => times.range[0] * unit_s >= limits.epoch_s,
-    };
-    let origin_s = match times.timebase_ns {
-        Some(timebase_ns) => (i128::from(timebase_ns) - i128::from(stamp_ns)) as f64 * 1e-9,
-        // The difference first: a double does not hold the nanoseconds of a time since 1970.
-        None if is_absolute => -(stamp_ns as f64) * 1e-9,
-        None => 0.0,
-    };
-    let from_header_s = times.range.map(|time| time * unit_s + origin_s);
+    let (period_s, from_header_s) = (clouds.period_s()?, points_after_header_s(clouds, sample, times, limits)?);
     let [first, last] = from_header_s.map(|after_s| after_s / period_s);
     let near = |value: f64| value.abs() <= limits.near;
     let moment = if near(first) {

@@ -2,10 +2,12 @@
 
 use crate::advice::together::report_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{BagMotion, Motion};
+use crate::analysis::scan_motion::ScanMotion;
 use crate::analysis::time::offsets::{Limits, NoOffset, Offset};
 use crate::analysis::time::reference::{reference, words};
-use crate::analysis::time::turning::{Kind, Signal, signals};
+use crate::analysis::time::turning::{Kind, Signal, scanned, signals};
 use crate::rules::prelude::*;
 use crate::verdict::Plot;
 use crate::verdict::plot::{Axis, Series};
@@ -18,8 +20,18 @@ impl Rule for SensorTimeOffset {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let sensors = Sensors::of(world);
+        let scans = ScanMotion::of(world);
         for (index, motion) in Motion::of(world).bags.iter().enumerate() {
-            judge_bag(world, motion, sensors.of_bag(index), limits, out);
+            let mut signals = signals(motion);
+            let scanners = Clouds::scanners(world).filter(|clouds| clouds.index == index);
+            for clouds in scanners {
+                match scans.steps(&clouds) {
+                    Some(steps) if steps.is_up.is_some() => signals.push(scanned(world, &clouds, steps)),
+                    Some(steps) => out.too_little(format!("topic `{}`", clouds.topic.topic), steps.why),
+                    None => {}
+                }
+            }
+            judge_bag(world, motion, &signals, sensors.of_bag(index), limits, out);
         }
     }
 }
@@ -31,9 +43,15 @@ fn is_wrong(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> bool {
     own.is_some_and(|(_, sensor)| sensor.diagnosis.shown_by.is_some())
 }
 
-fn judge_bag(world: &Estimates, motion: &BagMotion, sensors: &[Sensor], limits: &Limits, out: &mut Judge) {
-    let signals = signals(motion);
-    let (first, others) = match reference(world, &signals, limits) {
+fn judge_bag(
+    world: &Estimates,
+    motion: &BagMotion,
+    signals: &[Signal],
+    sensors: &[Sensor],
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let (first, others) = match reference(world, signals, limits) {
         Ok(found) => found,
         Err(whys) => {
             for (signal, why) in signals.iter().zip(whys) {
@@ -97,19 +115,24 @@ fn judge_bag(world: &Estimates, motion: &BagMotion, sensors: &[Sensor], limits: 
 
 /// The largest offset of two signals without a fault, seconds.
 fn limit_s(first: &Signal, second: &Signal, limits: &Limits) -> f64 {
-    let of = |signal: &Signal| match signal.kind {
-        Kind::Fix => limits.fix_s + signal.period_s,
-        Kind::Orientation => limits.filter_s,
-        _ => limits.limit_s,
+    let of = |signal: &Signal| {
+        let of_kind_s = match signal.kind {
+            Kind::Fix => limits.fix_s,
+            Kind::Scan => limits.scan_s,
+            Kind::Orientation => limits.filter_s,
+            Kind::Gyro | Kind::Pose | Kind::Twist => limits.limit_s,
+        };
+        of_kind_s + signal.within_s
     };
     of(first).max(of(second))
 }
 
-/// The delay of velocities that are computed from the difference to the previous message, seconds: half a period of the slower signal.
+/// The delay of velocities that are computed from the difference to the previous message, seconds: half a period of the slower signal that
+/// may be computed so.
 fn slack_s(first: &Signal, second: &Signal) -> f64 {
     [first, second]
         .map(|signal| {
-            if signal.kind == Kind::Fix {
+            if matches!(signal.kind, Kind::Gyro | Kind::Fix | Kind::Scan) {
                 0.0
             } else {
                 signal.period_s / 2.0

@@ -6,7 +6,8 @@ use crate::faults::Fault;
 /// To record for an offset that the log clock shows.
 const ANY: &str = "the topic with its stamps, on a computer whose clock is set";
 /// To record for an offset that only motion shows.
-const MOTION: &str = "a second sensor of the same motion (an IMU, odometry, a receiver), on a drive with turns";
+const MOTION: &str =
+    "a second sensor of the same motion (an IMU, odometry, a receiver, a lidar), on a drive of some minutes with turns";
 
 /// Every mistake.
 pub(super) static FAULTS: &[Fault] = &[
