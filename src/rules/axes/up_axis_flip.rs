@@ -83,10 +83,19 @@ fn judge_side(
     let (_, min_score) = limits.is_ground().least(&least.plane);
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
-        Measured::new(format!("angle between {word} and up, by the transforms"), off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("score of the ground there: cells on it, less those with points below", least.score, "1")
-            .at_least(min_score)
-            .samples(of_side().count() as u64),
+        Measured::new(
+            format!("angle between {word} and up, by the transforms"),
+            off_deg,
+            "deg",
+        )
+        .limit(limits.max_off_deg),
+        Measured::new(
+            "score of the ground there: cells on it, less those with points below",
+            least.score,
+            "1",
+        )
+        .at_least(min_score)
+        .samples(of_side().count() as u64),
         Measured::new("score of the next best side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {

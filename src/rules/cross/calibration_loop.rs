@@ -176,7 +176,12 @@ impl Loop<'_> {
         let measured = [
             Measured::new("residual angle", angle_deg, "deg").turn(),
             Measured::new("residual distance", distance_m, "m"),
-            Measured::new("residual as a multiple of that of three usual calibrations", sigmas, "1").limit(limits.warn_sigmas),
+            Measured::new(
+                "residual as a multiple of that of three usual calibrations",
+                sigmas,
+                "1",
+            )
+            .limit(limits.warn_sigmas),
         ];
         if sigmas <= limits.warn_sigmas {
             return out.pass(subject, measured);

@@ -134,7 +134,10 @@ fn scan_timing<'w>(
     times: &PointTimes,
     limits: &Limits,
 ) -> Option<ScanTiming<'w>> {
-    let (period_s, from_header_s) = (clouds.period_s()?, points_after_header_s(clouds, sample, times, limits)?);
+    let (period_s, from_header_s) = (
+        clouds.period_s()?,
+        points_after_header_s(clouds, sample, times, limits)?,
+    );
     let [first, last] = from_header_s.map(|after_s| after_s / period_s);
     let near = |value: f64| value.abs() <= limits.near;
     let moment = if near(first) {
