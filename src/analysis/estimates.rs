@@ -3,10 +3,12 @@
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{BuildHasher, Hasher};
 use std::ops::Deref;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
+
+use foldhash::quality::{FixedState, FoldHasher};
 
 use crate::world::World;
 
@@ -16,8 +18,11 @@ use super::settings::Settings;
 #[derive(Default)]
 pub struct KeptResults(Mutex<HashMap<(TypeId, u64), Arc<dyn Any + Send + Sync>>>);
 
+/// Hashes the input of a costly result: whole clouds, for every altered world, which the hasher of the standard library is slow for.
+pub(crate) type InputHasher = FoldHasher<'static>;
+
 /// Adds numbers to the hash of an input of [`Estimates::shared`], bit by bit.
-pub(crate) fn hash_numbers(hasher: &mut DefaultHasher, numbers: impl IntoIterator<Item = f64>) {
+pub(crate) fn hash_numbers(hasher: &mut InputHasher, numbers: impl IntoIterator<Item = f64>) {
     for number in numbers {
         hasher.write_u64(number.to_bits());
     }
@@ -54,13 +59,13 @@ impl<'w> Estimates<'w> {
     /// The result of a function of these numbers and of nothing else, made once for all worlds that share results.
     pub(crate) fn shared<T: Any + Send + Sync>(
         &self,
-        numbers: impl FnOnce(&mut DefaultHasher),
+        numbers: impl FnOnce(&mut InputHasher),
         make: impl FnOnce() -> T,
     ) -> Arc<T> {
         let Some(KeptResults(kept)) = self.kept else {
             return Arc::new(make());
         };
-        let mut hasher = DefaultHasher::new();
+        let mut hasher = FixedState::default().build_hasher();
         numbers(&mut hasher);
         let key = (TypeId::of::<T>(), hasher.finish());
         let known = kept.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();

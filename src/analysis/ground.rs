@@ -3,13 +3,17 @@
 //! Owns the position of the search, and which of six sides is the ground. Must not judge.
 
 use std::collections::BTreeMap;
-use std::hash::DefaultHasher;
 use std::rc::Rc;
 
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, names};
+use crate::analysis::{
+    Estimates,
+    estimates::{InputHasher, hash_numbers},
+    lidar::Clouds,
+    names,
+};
 use crate::math::support_plane::{Options, SupportPlane, support_plane};
 use crate::world::World;
 
@@ -147,7 +151,7 @@ pub(crate) fn sides(world: &Estimates, clouds: &Clouds, sensor_in_cloud: &Vector
             let step = sample.points.len().div_ceil(POINTS).max(1);
             let points = sample.points.iter().step_by(step);
             let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
-            let numbers = |hasher: &mut DefaultHasher| {
+            let numbers = |hasher: &mut InputHasher| {
                 hash_numbers(hasher, points.iter().flat_map(|point| point.iter()).copied());
             };
             *world.shared(numbers, || {

@@ -4,7 +4,7 @@
 //! vertical. Must not judge.
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::Hasher;
 use std::rc::Rc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
@@ -14,7 +14,7 @@ use crate::analysis::scan_motion::moved::{Moment, ScanStep};
 use crate::analysis::scan_motion::run::{CloudPose, Matching, RawCloud};
 use crate::analysis::{
     Estimates,
-    estimates::hash_numbers,
+    estimates::{InputHasher, hash_numbers},
     lidar::{Clouds, SCAN_SHARE},
     motion::Motion,
     motion::mount::mount,
@@ -189,7 +189,7 @@ impl Flattening {
     }
 
     /// Everything that [`runs`] depends on: of times the differences alone.
-    fn hash(&self, clouds: &Clouds, hasher: &mut DefaultHasher) {
+    fn hash(&self, clouds: &Clouds, hasher: &mut InputHasher) {
         hash_numbers(hasher, self.level_from_cloud.coords.iter().copied());
         if let Some((upright, sensor)) = &self.ground {
             hash_numbers(hasher, [upright.height_m]);

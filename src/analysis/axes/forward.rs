@@ -1,12 +1,16 @@
 //! Yaw error of a lidar's mounting.
 
-use std::hash::DefaultHasher;
-
 use nalgebra::Vector2;
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::{HandEye, in_plane};
-use crate::analysis::{Estimates, estimates::hash_numbers, lidar::Clouds, motion::Motion, scan_motion::LevelClouds};
+use crate::analysis::{
+    Estimates,
+    estimates::{InputHasher, hash_numbers},
+    lidar::Clouds,
+    motion::Motion,
+    scan_motion::LevelClouds,
+};
 use crate::math::circular::{circular_mean, difference};
 use crate::math::yaw_search::{Pair, YawCosts, search};
 use crate::verdict::{Measured, NotEvaluated};
@@ -158,7 +162,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
 }
 
 /// Everything that the costs of yaws depend on.
-fn hash(pairs: &[Pair], place: Vector2<f64>, hasher: &mut DefaultHasher) {
+fn hash(pairs: &[Pair], place: Vector2<f64>, hasher: &mut InputHasher) {
     hash_numbers(hasher, place.iter().copied());
     for pair in pairs {
         hash_numbers(hasher, pair.body.to_homogeneous().iter().copied());

@@ -2,10 +2,10 @@
 //!
 //! Made once for all rules that judge the sensor. Must not judge.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::Hasher;
 use std::sync::Arc;
 
-use crate::analysis::estimates::{Estimates, hash_numbers};
+use crate::analysis::estimates::{Estimates, InputHasher, hash_numbers};
 use crate::analysis::motion::stream::{Stream, TimedRow};
 use crate::math::gravity::{Gravity, gravity};
 use crate::math::rest::{RestEstimate, rest};
@@ -42,7 +42,7 @@ pub(crate) struct Inertial {
 impl Inertial {
     /// Measures the rows of a sensor.
     pub(crate) fn of(world: &Estimates, stream: &Stream<InertialRow>, has_orientation: bool) -> Arc<Self> {
-        let numbers = |hasher: &mut DefaultHasher| {
+        let numbers = |hasher: &mut InputHasher| {
             hasher.write_u8(u8::from(has_orientation));
             for stretch in &stream.stretches {
                 hasher.write_usize(stretch.len());

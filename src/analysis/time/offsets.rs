@@ -2,12 +2,12 @@
 //!
 //! Owns what makes a lag count. Must not judge whether it is too large.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::Hasher;
 use std::sync::Arc;
 
 use serde::Deserialize;
 
-use crate::analysis::estimates::{Estimates, hash_numbers};
+use crate::analysis::estimates::{Estimates, InputHasher, hash_numbers};
 use crate::analysis::time::turning::{Kind, Runs, Signal};
 use crate::math::lag::{Lag, Options, Peak, lag};
 
@@ -68,7 +68,7 @@ pub(crate) fn held(world: &Estimates, first: &Signal, second: &Signal, limits: &
 /// The offset of `second` against `first`, by the quantity that determines it best.
 fn offset(world: &Estimates, first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, NoOffset> {
     let (Some(from_s), Some(to_s)) = (first.stamp_offset_s, second.stamp_offset_s) else {
-        let why = "the stamps are zero, do not advance, or advance at another rate than the log clock";
+        let why = "the stamps are zero, do not advance, or advance at another rate than the recorder's clock";
         return Err(NoOffset::Undetermined(0.0, why.to_owned()));
     };
     let is_fix = [first.kind, second.kind].contains(&Kind::Fix);
@@ -228,7 +228,7 @@ fn deviation(runs: &Runs) -> f64 {
 
 /// The lag, also of signals with opposite signs: which sign is right is not judged here.
 fn either_sign(world: &Estimates, [first, second]: [&Runs; 2], options: &Options) -> Arc<Option<Lag>> {
-    let numbers = |hasher: &mut DefaultHasher| {
+    let numbers = |hasher: &mut InputHasher| {
         hash_numbers(hasher, [options.grid_s, options.max_lag_s]);
         for runs in [first, second] {
             hasher.write_usize(runs.len());
