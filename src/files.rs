@@ -264,8 +264,8 @@ impl Outputs {
         own.is_some_and(|own| identity(path) == Some(own))
     }
 
-    /// Why they may not be written: one is an input of the run (also under another name), two are the same file, or one exists and is not
-    /// a report of frames-lint. A report found in a folder is not an input: it may be replaced if it was `found`, not if it was `given`.
+    /// Why they may not be written: a folder is missing or read-only, one is an input of the run (also under another name), two are the same
+    /// file, or one exists and is not a report of frames-lint. A report found in a folder is not an input: it may be replaced if it was `found`, not if it was `given`.
     pub fn refused<'p>(
         &self,
         found: impl Iterator<Item = &'p Path>,
@@ -280,6 +280,13 @@ impl Outputs {
             if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
                 return Some(format!(
                     "`{shown}` is given for two outputs: write each to its own file"
+                ));
+            }
+            let target = resolved(&behind_links(file));
+            let folder = target.as_deref().and_then(Path::parent);
+            if !is_stream && !folder.is_some_and(|folder| folder.is_dir() && may_be_written(folder)) {
+                return Some(format!(
+                    "cannot write `{shown}`: its folder does not exist or is read-only"
                 ));
             }
             let Some(identity) = identity(file).filter(|_| !is_stream) else {

@@ -284,6 +284,21 @@ fn a_report_that_finds_no_room_leaves_the_old_one() {
 }
 
 #[test]
+fn a_folder_that_does_not_exist_is_an_error_before_anything_is_read() {
+    let folder = platform();
+    for call in [
+        ["check", ".", "--output", "json=no/such/report.json"],
+        ["assure", ".", "--output", "no/such/report.json"],
+        ["collect", ".", "--output", "no/such/report.json"],
+    ] {
+        let ran = program::run(folder.path(), call);
+        let why = "cannot write `no/such/report.json`: its folder does not exist or is read-only";
+        assert_eq!((ran.code, ran.text()), (2, String::new()), "{call:?}");
+        assert!(ran.err.contains(why), "{call:?}: {}", ran.err);
+    }
+}
+
+#[test]
 fn nothing_is_left_by_a_program_that_is_told_to_end() {
     for signal in ["INT", "TERM", "HUP"] {
         let (folder, temporary) = (platform(), tempfile::tempdir().unwrap());
