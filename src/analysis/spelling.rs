@@ -94,10 +94,10 @@ impl Fault {
     pub(crate) fn why(self) -> &'static str {
         match self {
             Self::LeadingSlash => {
-                "tf2 removes the slash when it stores a transform, but rejects the name in a look-up."
+                "tf2 removes the slash when storing a transform, but rejects a name with a slash in a look-up."
             }
             Self::Slashes => "tf2 removes one leading slash and compares the rest byte by byte.",
-            _ => "tf2 compares names byte by byte: this is another frame than the one that is spelled without it.",
+            _ => "tf2 compares names byte by byte: for tf2 this spelling and the clean one are two frames.",
         }
     }
 }

@@ -74,7 +74,7 @@ pub(crate) fn directions(parent_from_optical: &UnitQuaternion<f64>) -> Option<St
     };
     let [x, y, z] = [word(0)?, word(1)?, word(2)?];
     Some(format!(
-        "Its x axis points {x}, y {y}, z {z}; they should point right, down, forward."
+        "The x, y, z axes of the frame point {x}, {y}, {z}, but should point right, down, forward."
     ))
 }
 

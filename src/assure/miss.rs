@@ -74,10 +74,8 @@ impl Miss {
                 }
                 (Outcome::Fail, _) if is_hint(row, altered) => confirmation(row, altered).map_or_else(
                     || {
-                        format!(
-                            "`frames-lint explain {}` says what would make it more than a hint",
-                            row.rule
-                        )
+                        let help = findings_of(row, altered).next().map_or("", |finding| &finding.help);
+                        format!("nothing to record; what settles the hint: {help}")
                     },
                     |keys| {
                         format!(
@@ -163,7 +161,10 @@ fn reason(row: &Row, altered: &Verdict) -> String {
             let measured: Vec<String> = row.measured.iter().take(3).map(in_words).collect();
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
         }
-        Outcome::Fail if is_hint(row, altered) => format!("{} gives only a hint about {}", row.rule, row.subject),
+        Outcome::Fail if is_hint(row, altered) => {
+            let hint = findings_of(row, altered).next().map_or("", |finding| &finding.message);
+            format!("{} gives only a hint: {hint}", row.rule)
+        }
         Outcome::Waived => format!("{} fails {}, which is accepted: {why}", row.rule, row.subject),
         Outcome::Fail => format!(
             "{} fails {} without the mistake, too: correct that first",

@@ -125,7 +125,7 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
             if !(-RESTART_NS..=MAX_GAP_NS).contains(&stamp) || log > MAX_GAP_NS {
                 self.seam();
             } else {
-                // By the log clock where the stamps do not advance.
+                // By the recorder's clock where the stamps do not advance.
                 let [since, by_log] = [
                     sample.stamp_ns.saturating_sub(open.first.stamp_ns),
                     sample.log_ns.saturating_sub(open.first.log_ns),

@@ -1,4 +1,4 @@
-//! Header stamps of a topic or an edge, compared with the log clock.
+//! Header stamps of a topic or an edge, compared with the recorder's clock.
 
 use std::cmp::Ordering;
 

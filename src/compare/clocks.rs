@@ -1,4 +1,4 @@
-//! Topics of two recordings: their types and frames, the offset of their stamps from the log clock, and their rates.
+//! Topics of two recordings: their types and frames, the offset of their stamps from the recorder's clock, and their rates.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
@@ -107,7 +107,7 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
         let mut change = Change::new(
             Kind::Clock,
             name,
-            format!("{name}: stamps are {after:+.3} s from the log clock (were {before:+.3} s)"),
+            format!("{name}: stamps are {after:+.3} s from the recorder's clock (were {before:+.3} s)"),
         );
         let day_s = second.first_log_ns.map_or(0.0, |ns| ns as f64 / 1e9);
         change.explanation = offset_words(after - before, day_s);

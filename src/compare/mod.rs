@@ -20,7 +20,7 @@ pub enum Kind {
     Origin,
     /// Types and frames of topics.
     Convention,
-    /// Stamps compared with the log clock, rates.
+    /// Stamps compared with the recorder's clock, rates.
     Clock,
     /// Outcomes of rules.
     Check,

@@ -147,7 +147,7 @@ impl Fault {
     pub fn is_named_by(&self, finding: &Finding, same: &[&str]) -> bool {
         let relation = finding.relation.as_deref();
         let by_relation = relation.is_some_and(|word| self.relations.contains(&word) || same.contains(&word));
-        let by_text = || self.texts.iter().any(|text| finding.text().contains(text));
+        let by_text = || self.texts.iter().any(|text| finding.says(text));
         finding.confidence > Confidence::Hint && (by_relation || by_text())
     }
 

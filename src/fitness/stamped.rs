@@ -1,4 +1,4 @@
-//! A stream of a recording, with its span on the log clock and its rate.
+//! A stream of a recording, with its span on the recorder's clock and its rate.
 
 use crate::analysis::motion::{Stream, edge_subject};
 use crate::world::BagEvidence;
@@ -11,7 +11,7 @@ pub(super) struct Stamped {
     pub(super) subject: String,
     /// Its name in the outcomes of rules on stamps.
     pub(super) stamps: String,
-    /// First and last log time, seconds of the log clock.
+    /// First and last log time, seconds of the recorder's clock.
     span_s: Option<[f64; 2]>,
     /// Messages per second: by the median step of their stamps, else by their number.
     pub(super) hz: Option<f64>,

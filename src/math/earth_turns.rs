@@ -74,7 +74,7 @@ impl EarthTurn {
     /// The error, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
-            Self::Lost => "the rotation is missing (ECEF axes)",
+            Self::Lost => "rotation is the identity (ECEF axes)",
             Self::Transposed => "the matrix is transposed (ENU from ECEF)",
             Self::Ned => "the axes are north, east, down",
             Self::NedTransposed => "the matrix is transposed (NED from ECEF)",

@@ -62,7 +62,7 @@ relations! {
         "Both are the same transform."
     Inverse "inverse"
         "is the inverse of %"
-        "The transform is inverted: it maps parent to child where child to parent is meant, or vice versa."
+        "The transform is inverted: it takes points in the opposite direction."
     Transposed "transposed"
         "has the transposed rotation of %"
         "The rotation is transposed and the translation is kept: a row-major matrix read as column-major, or a JPL quaternion read as Hamilton."

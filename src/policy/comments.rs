@@ -12,6 +12,9 @@ use super::{Context, Exception, Scope};
 /// How such a comment starts.
 const MARK: &str = "frames-lint:";
 
+/// What to write instead of a comment that cannot be read.
+const FORM: &str = "write `frames-lint: allow RULE reason`, or `frames-lint: allow RULE until 2027-01-31 reason`";
+
 /// What begins a comment, in the languages that are read.
 const OPENERS: [&str; 6] = ["#", "//", "<!--", "/*", "--", ";"];
 
@@ -54,9 +57,10 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<CommentFault>) {
                     },
                     scope: Scope::Region(source.id, allowed.region),
                 })),
-                Err(fault) => misspelt.push(CommentFault {
+                Err((fault, help)) => misspelt.push(CommentFault {
                     text: comment.text.trim().to_owned(),
                     fault,
+                    help,
                     place,
                 }),
             }
@@ -133,17 +137,25 @@ impl<'t> Comment<'t> {
         })
     }
 
-    /// The rules that it allows and where, or what is wrong with it.
-    fn read(&self, regions: &mut Regions, context: &Context) -> Result<Vec<(String, CommentWaiver)>, String> {
+    /// The rules that it allows and where, or what is wrong with it and what to do.
+    fn read(
+        &self,
+        regions: &mut Regions,
+        context: &Context,
+    ) -> Result<Vec<(String, CommentWaiver)>, (String, &'static str)> {
         if !context.comments {
-            return Err("comments are off; `comments: accept` in the configuration turns them on".to_owned());
+            let fault = "the configuration does not accept comments".to_owned();
+            return Err((
+                fault,
+                "set `comments: accept` in the configuration, or delete the comment",
+            ));
         }
         let mut words = self.text.split_whitespace();
         let is_file = match words.next() {
             Some("allow") => false,
             Some("allow-file") => true,
-            Some(other) => return Err(format!("`{other}` is neither `allow` nor `allow-file`")),
-            None => return Err("it is empty".to_owned()),
+            Some(other) => return Err((format!("`{other}` is neither `allow` nor `allow-file`"), FORM)),
+            None => return Err(("nothing follows the colon".to_owned(), FORM)),
         };
         let mut rules = Vec::new();
         let mut rest: Vec<&str> = words.collect();
@@ -156,7 +168,7 @@ impl<'t> Comment<'t> {
             }
         }
         if rules.is_empty() {
-            return Err("it names no rule".to_owned());
+            return Err(("no rule is named".to_owned(), FORM));
         }
         for rule in &rules {
             if !context
@@ -164,7 +176,8 @@ impl<'t> Comment<'t> {
                 .iter()
                 .any(|known| names_rule(rule, known.code, known.name))
             {
-                return Err(format!("there is no rule `{rule}` (`frames-lint rules` lists them)"));
+                let help = "correct the code of the rule (`frames-lint rules` lists all rules), or delete the comment";
+                return Err((format!("rule `{rule}` does not exist"), help));
             }
         }
         let until = match rest.as_slice() {
@@ -172,14 +185,16 @@ impl<'t> Comment<'t> {
                 let day = day.trim_end_matches([',', ':', ';']);
                 let parsed = Day::parse(day);
                 rest.drain(..2);
-                Some(parsed.ok_or_else(|| format!("`{day}` is not a day such as `2027-01-31`"))?)
+                let help = "write a day of the calendar after `until`: `until 2027-01-31`";
+                Some(parsed.ok_or_else(|| (format!("`{day}` is not a day such as `2027-01-31`"), help))?)
             }
             _ => None,
         };
         let reason = rest.join(" ");
         let reason = reason.trim_start_matches(['-', ':', '—', '–', ' ']).to_owned();
         if reason.is_empty() {
-            return Err("the reason after the rule is missing".to_owned());
+            let help = "write the reason after the rule: `frames-lint: allow RULE reason`";
+            return Err(("the reason after the rule is missing".to_owned(), help));
         }
         let region = if is_file {
             Span::new(0, usize::MAX)

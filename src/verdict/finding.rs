@@ -12,9 +12,8 @@ use super::waiver::Acceptance;
 /// The relation of a contradiction that no known error explains.
 pub const UNEXPLAINED: &str = "unexplained";
 
-/// Before and after the configuration that would make a hint certain, in its help.
-const CONFIRM: &str = " If these are the frames, confirm it with ";
-const CONFIRMED: &str = " in frames-lint.yaml: then it is no longer a hint";
+/// Before the configuration that would make a hint certain, in its help.
+const CONFIRM: &str = " If these are the frames, confirm them in frames-lint.yaml; then this is no longer a hint:\n";
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -198,6 +197,12 @@ impl Finding {
         Self::new(Severity::Note, subject, message, primary)
     }
 
+    /// Whether the headline, the detail or a cause that the help lists contains a phrase.
+    pub fn says(&self, phrase: &str) -> bool {
+        let mut causes = self.help.lines().filter(|line| line.starts_with('('));
+        self.text().contains(phrase) || causes.any(|cause| cause.contains(phrase))
+    }
+
     /// Headline and detail, a paragraph each.
     pub fn text(&self) -> String {
         let parts = [self.message.as_str(), self.detail.as_str()];
@@ -274,14 +279,13 @@ impl Finding {
     #[must_use]
     pub fn confirm_with(mut self, keys: &str) -> Self {
         let end = if self.help.ends_with(['.', ' ']) { "" } else { "." };
-        self.help = format!("{}{end}{CONFIRM}{keys}{CONFIRMED}", self.help.trim_end());
+        self.help = format!("{}{end}{CONFIRM}{keys}", self.help.trim_end());
         self
     }
 
     /// The configuration that would make it certain, where one would.
     pub fn confirmed_by(&self) -> Option<&str> {
-        let (_, keys) = self.help.split_once(CONFIRM)?;
-        keys.strip_suffix(CONFIRMED)
+        Some(self.help.split_once(CONFIRM)?.1)
     }
 
     /// Measured numbers, one or several.

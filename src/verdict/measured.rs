@@ -42,7 +42,7 @@ impl Bound {
     pub fn word(self) -> &'static str {
         match self {
             Self::Within => "limit",
-            Self::AtLeast => "at least",
+            Self::AtLeast => "must be at least",
             Self::Expected => "expected",
         }
     }

@@ -116,6 +116,8 @@ pub struct CommentFault {
     pub text: String,
     /// What is wrong with it.
     pub fault: String,
+    /// What to do.
+    pub help: &'static str,
     /// Its place.
     pub place: Place,
 }

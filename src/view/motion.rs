@@ -83,7 +83,7 @@ pub(super) fn name(said: &TopicContent) -> String {
     }
 }
 
-/// How far stamps run ahead of the log clock, seconds, over the stamps.
+/// How far stamps run ahead of the recorder's clock, seconds, over the stamps.
 fn stamps(name: &str, samples: &[(i64, i64)], color: Color, scene: &mut Scene) {
     if samples.is_empty() {
         return;

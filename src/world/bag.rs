@@ -19,7 +19,7 @@ const MIN_MESSAGES: u64 = 10;
 /// Seconds.
 const MIN_S: f64 = 5.0;
 
-/// The header stamps of one topic, compared with the log clock.
+/// The header stamps of one topic, compared with the recorder's clock.
 ///
 /// Steps are taken between neighbouring stamps that are not zero, in recording order: a zero stamp is a fault of its
 /// own, and the steps to and from it would hide what the other stamps do.

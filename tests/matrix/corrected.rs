@@ -19,7 +19,7 @@ const TRUE: &[(&str, &str, &str)] = &[
     (
         "openStationaryRTK",
         "TIME02",
-        "its stamps do stand 2.3 h behind the log clock, in every message",
+        "its stamps do stand 2.3 h behind the recorder's clock, in every message",
     ),
     (
         "robot_localization",

@@ -112,7 +112,7 @@ impl Error {
         let mut seen_by = self.fault.seen_by.iter();
         let is_seen = seen_by.any(|seen| seen.starts_with(finding.rule.as_str()));
         // A base that is tilted shows in the tree, too.
-        (is_seen || finding.rule == "TREE13") && !names && !finding.text().contains("Causes that fit all")
+        (is_seen || finding.rule == "TREE13") && !names && !finding.text().contains("Several causes fit all")
     }
 
     /// Other relations that change a stream in the same way.

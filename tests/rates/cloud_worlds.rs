@@ -103,7 +103,7 @@ impl CloudWorld {
             .relation
             .as_deref()
             .is_some_and(|word| relations.contains(&word))
-            || texts.iter().any(|text| finding.text().contains(text));
+            || texts.iter().any(|text| finding.says(text));
         is_told && (!self.hints_alone || finding.rule != "AXES10" || finding.confidence == Confidence::Hint)
     }
 

@@ -38,13 +38,13 @@ type FaultSpec = (&'static str, &'static [Error], Names);
 const SIDE: &str = "on its side";
 
 /// What a sensor's finding says of a track that may be wrong instead.
-pub const MIRRORED: &str = "the track it is compared with is mirrored";
+pub const MIRRORED: &str = "compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "the position or the orientation beside it may be wrong";
+const POSITION: &str = "the position or the orientation of the pose may be wrong";
 
 /// What a finding on two orientations says of a mounting.
-pub const CONSTANT: &str = "differ by a constant body rotation";
+pub const CONSTANT: &str = "is constant in the axes of the body";
 
 /// Odometry that is stamped on arrival.
 const LATE: &str = "odom 0.1 s late";
@@ -300,7 +300,7 @@ impl Fault {
         }
         self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();
-            relation.is_some_and(|word| words.contains(&word)) || texts.iter().any(|text| finding.text().contains(text))
+            relation.is_some_and(|word| words.contains(&word)) || texts.iter().any(|text| finding.says(text))
         })
     }
 }

@@ -64,13 +64,13 @@ impl FrameWorld {
 }
 
 /// What QUAT04 says of two orientations expressed in a frame of one name.
-const WORLDS: &str = "differ by a constant world rotation";
+const WORLDS: &str = "is constant in the axes of the world";
 
 /// What AXES14 says of poses that may not be of the body that TF knows, or in another order.
 const OTHER_AXES: &str = "the orientation may be expressed in other body axes, or with w first";
 
 /// What AXES08 says of poses whose orientation may be wrong.
-const ORIENTATION: &str = "the orientation beside it may be wrong";
+const ORIENTATION: &str = "the orientation of the pose may be wrong";
 
 /// What AXES13 says of poses that may stand in another order.
 const W_FIRST: &str = "the quaternion may be in the order w, x, y, z";

@@ -134,7 +134,7 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
                 let alike = finding
                     .measured
                     .iter()
-                    .find(|measured| measured.what == "relations that fit");
+                    .find(|measured| measured.what == "known errors that explain it");
                 finding.rule == "CROSS02"
                     && finding.confidence == frames_lint::source::Confidence::Certain
                     && alike.is_some_and(|alike| alike.value < 1.5)

@@ -1,7 +1,7 @@
 //! Recordings as readable YAML.
 //!
 //! ```yaml
-//! start_s: 1700000000          # log clock at the start, Unix seconds (the default)
+//! start_s: 1700000000          # recorder's clock at the start, Unix seconds (the default)
 //! duration_s: 10               # ticks run from 0 up to, not including, this (the default)
 //! topics:
 //!   - topic: /tf_static        # static topics are written once, at `at_s`, unless they have a rate

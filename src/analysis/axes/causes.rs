@@ -239,10 +239,9 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "mirrored",
-        text: "either the track that it is compared with is mirrored (latitude and longitude swapped), or all data of the IMU are expressed in \
-               left-handed axes (y to the right); it is not NED alone, which would point gravity down",
-        help: "plot the track on a map: if left curves are right curves there, correct the order of latitude and longitude (or of x and y), and leave \
-               the IMU as it is; only if the track is right, negate y of the acceleration, x and z of the angular velocity and of the quaternion",
+        text: "the track that the IMU is compared with is mirrored, or all data of the IMU are in left-handed axes (y to the right)",
+        help: "plot the track on a map. If left curves appear as right curves, correct the track (the order of latitude and longitude, or of x and y), and \
+               leave the IMU as it is. If all of the IMU is left-handed, negate y of the acceleration, and x and z of the angular velocity and of the quaternion",
         shown_by: Aspect::Heading,
         heading: &[Heading::Against],
         sense: &[Sense::Against],
@@ -345,7 +344,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "gravity-sign",
-        text: "the accelerometer has the opposite sign: it measures gravity, not specific force",
+        text: "the acceleration has the opposite sign: it is gravity, not specific force",
         help: "negate the acceleration: at rest and level, z reads +9.81 m/s2 (REP-145)",
         shown_by: Aspect::Base,
         is_of_mounting: true,
@@ -356,7 +355,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "upside-down",
-        text: "the sensor is mounted upside down, which its transform does not state",
+        text: "the sensor is mounted upside down, and TF does not say so",
         help: "give the sensor its own frame, and publish its transform with roll = 180 deg in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
@@ -368,7 +367,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "on-its-side",
-        text: "the sensor is mounted on its side, which its transform does not state",
+        text: "the sensor is mounted on its side, and TF does not say so",
         help: "add the sensor's rotation to its frame in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
@@ -380,7 +379,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "turned-mount",
-        text: "the sensor is mounted with a yaw that its transform does not state",
+        text: "the sensor is mounted with a yaw, and TF does not say so",
         help: "add the missing yaw (measured above) to the transform of the sensor in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,
@@ -389,8 +388,8 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "left-handed-accelerometer",
-        text: "the axes of the accelerometer are left-handed: x or y has the opposite sign, or the two are swapped",
-        help: "compare the accelerometer's axes with its data sheet: when the platform speeds up, x must be positive; in a curve to the left, y",
+        text: "the axes of the accelerometer are left-handed (one is negated, or two are swapped)",
+        help: "correct the axes of the acceleration: x must be positive when the platform speeds up, and y in a curve to the left",
         shown_by: Aspect::Hand,
         push: ANY_PUSH,
         hand: &[Hand::Left],

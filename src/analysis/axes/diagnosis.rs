@@ -92,11 +92,8 @@ impl Diagnosis {
         let texts: Vec<&str> = self.causes.iter().map(|cause| cause.text).collect();
         match texts.as_slice() {
             [] => String::new(),
-            [one] => format!("What fits all measurements: {one}."),
-            several => format!(
-                "Causes that fit all measurements; others are ruled out, and these cannot be told apart by the data: {}.",
-                numbered(several)
-            ),
+            [one] => format!("Only this cause fits all measurements: {one}."),
+            _ => "Several causes fit all measurements, and the data do not show which it is: see the help.".to_owned(),
         }
     }
 
@@ -108,40 +105,33 @@ impl Diagnosis {
         }
     }
 
-    /// What to do.
+    /// What to do: where several causes fit, each with its remedy.
     pub(crate) fn help(&self) -> Option<String> {
-        let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
-        let several = helps.len() > 1;
-        let help = match helps.as_slice() {
+        let help = match self.causes.as_slice() {
             [] => return None,
-            [one] => (*one).to_owned(),
+            [one] => one.help.to_owned(),
             several => format!(
-                "find the cause in the driver's settings and the data sheet, then: {}",
+                "look up the sensor's axes in its data sheet, and correct the cause that applies:{}",
                 numbered(several)
             ),
         };
-        let of_driver = self.causes.iter().position(|cause| cause.is_of_driver);
-        Some(match self.driver.as_ref().zip(of_driver) {
-            Some((driver, at)) => format!(
-                "the driver seems to be that of {}, which measures in {}{}: {}. Otherwise: {help}",
-                driver.name,
-                driver.native,
-                if several {
-                    format!(", so cause ({}) is the most likely", at + 1)
-                } else {
-                    String::new()
-                },
-                driver.setting
+        let is_of_driver = self.causes.iter().any(|cause| cause.is_of_driver);
+        Some(match self.driver.as_ref().filter(|_| is_of_driver) {
+            Some(driver) => format!(
+                "the driver seems to be that of {}, which measures in {}: {}. If that is not it, {help}",
+                driver.name, driver.native, driver.setting
             ),
             None => help,
         })
     }
 }
 
-/// `(1) first; (2) second`.
-fn numbered(texts: &[&str]) -> String {
-    let texts = (1..).zip(texts).map(|(number, text)| format!("({number}) {text}"));
-    texts.collect::<Vec<_>>().join("; ")
+/// The causes with what to do, each on a line of its own, with a number.
+fn numbered(causes: &[&Cause]) -> String {
+    let lines = (1..)
+        .zip(causes)
+        .map(|(number, cause)| format!("\n({number}) {}: {}", cause.text, cause.help));
+    lines.collect()
 }
 
 /// A wrong driver setting that the measurements do not rule out. A heading instead of a yaw is judged by itself.

@@ -64,18 +64,18 @@ impl Reading {
         )
     }
 
-    /// The fault: behind "velocity" and before the child frame, or of the pose as a clause of its own.
-    pub(crate) fn words(self) -> &'static str {
+    /// The fault, with the frame of the header and that of the child.
+    pub(crate) fn words(self, [header, child]: &[String; 2]) -> String {
         match self {
-            Self::Body => "is expressed in",
-            Self::World => "is expressed in the header's frame, not in",
-            Self::Backwards => "is reversed (-x, -y) in",
-            Self::RightHand => "has y to the right in",
-            Self::Swapped => "has x and y swapped in",
-            Self::Inverse => "orientation is inverted (child_from_header, or JPL)",
-            Self::PositionY => "position is mirrored (y negated)",
-            Self::PositionX => "position is mirrored (x negated)",
-            Self::PositionSwapped => "position is mirrored (x and y swapped)",
+            Self::Body => format!("velocity is expressed in {child}"),
+            Self::World => format!("velocity is expressed in {header}, not in {child}"),
+            Self::Backwards => "velocity is opposite to the motion of the pose (x and y negated)".to_owned(),
+            Self::RightHand => format!("velocity has y to the right in {child}"),
+            Self::Swapped => format!("velocity has x and y swapped in {child}"),
+            Self::Inverse => "orientation is inverted (child_from_header, or JPL)".to_owned(),
+            Self::PositionY => "position is mirrored (y negated)".to_owned(),
+            Self::PositionX => "position is mirrored (x negated)".to_owned(),
+            Self::PositionSwapped => "position is mirrored (x and y swapped)".to_owned(),
         }
     }
 
@@ -85,10 +85,14 @@ impl Reading {
                 "rotate the velocity into the child frame before publishing: v_child = R(q)^T * v_header (nav_msgs/Odometry)"
             }
             Self::Backwards => {
-                "negate the velocity, or rotate the base frame by 180 deg about z: x points forward (REP-103)"
+                "drive forward, which is along x (REP-103):\n(1) if `twist.linear.x` is negative, negate the velocity\n(2) if \
+                 `twist.linear.x` is positive, add 180 deg to the yaw of the pose"
             }
-            Self::RightHand => "negate vy: y points to the left (REP-103)",
-            Self::Swapped => "swap vx and vy: x points forward, y to the left (REP-103)",
+            Self::RightHand => "negate y of the velocity: y points to the left (REP-103)",
+            Self::Swapped => {
+                "drive forward, which is along x (REP-103):\n(1) if `twist.linear.y` is the larger part, swap x and y of the \
+                 velocity\n(2) if `twist.linear.x` is the larger part, correct the yaw of the pose by 90 deg"
+            }
             Self::Inverse => "conjugate the quaternion (negate x, y and z)",
             Self::PositionY => "negate y of the position",
             Self::PositionX => "negate x of the position",

@@ -12,11 +12,22 @@ use crate::world::{World, bag::TopicEvidence};
 fn resolution(resolution_m: f64, limits: &Limits) -> Option<Fault> {
     let is_sound = resolution_m.is_finite() && resolution_m > 0.0;
     (!is_sound || resolution_m > limits.max_resolution_m).then(|| {
+        let (what, help) = if is_sound {
+            (
+                "resolution",
+                "set the resolution to the side of a cell in metres, not to cells per metre or pixels",
+            )
+        } else {
+            (
+                "resolution, which must be above 0 m",
+                "set the resolution to the side of a cell in metres, for example 0.05",
+            )
+        };
         let fault = Fault::new(
             "resolution",
-            format!("the cells of the grid are {resolution_m} m wide"),
-            "write the side of a cell in metres, not cells per metre or pixels",
-            Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m),
+            format!("the resolution of the grid is {resolution_m} m per cell"),
+            help,
+            Measured::new(what, resolution_m, "m").limit(limits.max_resolution_m),
         );
         if is_sound { fault } else { fault.error() }
     })
@@ -37,11 +48,11 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
         faults.push(
             Fault::new(
                 "origin",
-                format!("the origin of the grid is no valid pose: its quaternion has norm {norm:.3}"),
-                "fill in the whole pose; w = 1 is the identity, a quaternion of zeros is invalid",
+                format!("the origin of the grid is no valid pose: the norm of the quaternion is {norm:.3}"),
+                "fill in the whole pose (w = 1 is the identity, a quaternion of zeros is invalid)",
                 Measured::new("norm of the origin's quaternion", norm, "1").expected(1.0),
             )
-            .detail(format!("Its position is {:?}.", grid.position))
+            .detail(format!("The position of the origin is {:?}.", grid.position))
             .error(),
         );
     } else if tilt_deg > limits.max_tilt_deg {
@@ -59,10 +70,10 @@ pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
             Fault::new(
                 "size",
                 format!(
-                    "the grid states {} x {} cells, but has {data}",
+                    "the grid states {} x {} cells, but its data have {data} cells",
                     grid.cells[0], grid.cells[1]
                 ),
-                "set width and height to the counts of cells; the data are row by row, along x first",
+                "set width and height to the numbers of cells along x and y (the data are row by row, along x first)",
                 Measured::new("cells of the data", data as f64, "count").expected(count),
             )
             .error(),
@@ -130,7 +141,7 @@ fn origin(projection: &Projection, grid: &Grid) -> Option<Fault> {
         Fault::new(
             "degrees",
             format!("the yaw of the grid's origin is {most}: probably degrees, but radians are required"),
-            "multiply it by pi / 180; the third number is the yaw, not z",
+            "multiply the third number by pi / 180 (the third number is the yaw, not z)",
             Measured::new("yaw of the origin", most, "1").limit(std::f64::consts::TAU),
         )
     })
@@ -145,8 +156,8 @@ fn thresholds(grid: &Grid) -> Option<Fault> {
         Fault::new(
             "thresholds",
             format!("the thresholds of the map are invalid: free below {free}, occupied above {occupied}"),
-            "write shares from 0 to 1 with free_thresh below occupied_thresh; map_saver writes 0.196 and 0.65",
-            Measured::new("occupied less free", occupied - free, "1").at_least(0.0),
+            "write shares from 0 to 1 with free_thresh below occupied_thresh (map_saver writes 0.196 and 0.65)",
+            Measured::new("occupied threshold - free threshold", occupied - free, "1").at_least(0.0),
         )
     })
 }
@@ -326,7 +337,7 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     } else if near(off[0], 0.0) && near(off[1].abs(), height) {
         (
             "upper-left",
-            "One is the upper left corner, the other the lower left one.",
+            "One of the two is the upper left corner, and the other is the lower left corner.",
         )
     } else if near(sent.position[0], *y) && near(sent.position[1], *x) {
         ("swapped", "x and y are exchanged.")
@@ -336,14 +347,14 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     let fault = Fault::new(
         relation,
         format!(
-            "the declared origin of the grid is {largest:.2} cells and {:.2} deg off the one that is sent",
+            "the declared origin of the grid is {largest:.2} cells and {:.2} deg off the published origin",
             off_yaw.to_degrees()
         ),
         "declare the lower left corner of the first cell as x, y and yaw in the map's frame",
         Measured::new("offset in cells", largest, "1").limit(0.01),
     );
     let detail = format!(
-        "Declared at {x}, {y}, sent at {}, {}. {what}",
+        "Declared origin: {x}, {y}. Published origin: {}, {}. {what}",
         sent.position[0], sent.position[1]
     );
     Some(fault.detail(detail))

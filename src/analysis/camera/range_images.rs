@@ -1,6 +1,6 @@
 //! Faults of a declared range image: of its declaration alone, and compared with the clouds that it is made of. Must not judge.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
@@ -33,18 +33,22 @@ pub(crate) fn alone(image: &RangeImage) -> Vec<Fault> {
             ),
             detail: String::new(),
             relation: "swapped",
-            help: "exchange the two edges, or check the sign of the lower one",
-            measured: Measured::new("declared height", up - down, "deg").at_least(0.0),
+            help: "exchange the two edges, or correct the sign of the lower edge",
+            measured: Measured::new("upper edge minus lower edge", up - down, "deg").at_least(0.0),
             is_certain: true,
         });
     }
     if let (Some(Seam::None), Some(width)) = (image.seam, image.width) {
         faults.push(Fault {
-            message: format!("a point straight behind (azimuth pi) gets column {width}, beyond the last one"),
-            detail: "floor((azimuth + pi) / 2 pi * W) is W at azimuth pi, and the declared seam handling is none."
+            message: format!(
+                "`seam: none`: a point straight behind gets column {width}, but the last column is {}",
+                width.saturating_sub(1)
+            ),
+            detail: "The usual formula, column = floor((azimuth + pi) / (2 pi) * width), gives the width at azimuth pi."
                 .to_owned(),
             relation: "seam",
-            help: "use the column modulo the width, or at most width - 1",
+            help: "in the code of the projection, take the column modulo the width, and declare `seam: wrap`; or limit the column to width - 1, and \
+                   declare `seam: clamp`",
             measured: Measured::new("column of azimuth pi", f64::from(width), "count").limit(f64::from(width) - 1.0),
             is_certain: true,
         });
@@ -155,14 +159,14 @@ fn edges(
         let (relation, what, help) = if is_radians {
             (
                 "radians",
-                "The edges are probably in radians, but degrees are required.",
-                "multiply both edges by 180 / pi",
+                "The edges are probably in radians.",
+                "multiply both edges by 180 / pi: degrees are required",
             )
         } else if is_reversed {
             (
                 "swapped",
                 "The two edges are exchanged, with their signs.",
-                "exchange the edges: the upper one is the elevation of the highest beam",
+                "exchange the edges: the upper edge is the elevation of the highest beam",
             )
         } else {
             (
@@ -176,7 +180,7 @@ fn edges(
                 "{:.1} % of the points on `{topic}` are outside the declared range image, {down} to {up} deg",
                 100.0 * outside
             ),
-            detail: format!("They are from {low:.1} to {high:.1} deg. {what}"),
+            detail: format!("The points are from {low:.1} to {high:.1} deg. {what}"),
             relation,
             help,
             measured: share,
@@ -254,8 +258,14 @@ fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Ve
     if most < limits.min_resultant {
         return None;
     }
-    measured.push(Measured::new("agreement, clockwise", clockwise, "1").at_least(limits.min_resultant));
-    measured.push(Measured::new("agreement, counter-clockwise", counter, "1"));
+    measured.push(
+        Measured::new("agreement of azimuth and column, clockwise", clockwise, "1").at_least(limits.min_resultant),
+    );
+    measured.push(Measured::new(
+        "agreement of azimuth and column, counter-clockwise",
+        counter,
+        "1",
+    ));
     let word = |sense| {
         if sense == Sense::Clockwise {
             "clockwise"
@@ -270,10 +280,22 @@ fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Ve
             word(seen),
             clouds.topic.topic
         ),
-        detail: format!("The agreement of the azimuths for this direction is {most:.2} of 1."),
+        detail: String::new(),
         relation: "mirrored",
-        help: "reverse the azimuth: u = (1 - (azimuth + pi) / 2 pi) * W for clockwise columns",
-        measured: Measured::new("angle between the two after 180 deg", PI.to_degrees(), "deg"),
+        help: match seen {
+            Sense::Clockwise => {
+                "in the code of the projection, use column = (1 - (azimuth + pi) / (2 pi)) * width; if the code does so already, declare `azimuth: clockwise`"
+            }
+            Sense::CounterClockwise => {
+                "in the code of the projection, use column = (azimuth + pi) / (2 pi) * width; if the code does so already, declare `azimuth: counter_clockwise`"
+            }
+        },
+        measured: Measured::new(
+            format!("agreement of azimuth and column, {} (1: always the same)", word(seen)),
+            most,
+            "1",
+        )
+        .at_least(limits.min_resultant),
         is_certain: false,
     })
 }
@@ -298,7 +320,7 @@ pub(crate) fn beams(
     let off = (by_sensor - by_file).abs();
     (off > limits.max_beam_mm).then(|| Fault {
         message: format!(
-            "the beams of the range image start {by_file} mm from the axis, in the sensor's metadata {by_sensor} mm"
+            "the beams of the range image start {by_file} mm from the axis, but {by_sensor} mm in the sensor's metadata"
         ),
         detail: format!("This moves points at 3 m by {:.2} deg.", (off * 1e-3 / 3.0).atan().to_degrees()),
         relation: "beam-offset",

@@ -197,7 +197,7 @@ impl Mistake {
             Self::Inverse => "the transform is inverted",
             Self::Transposed => "the rotation is transposed",
             Self::TurnedTwice => "the rotation to optical axes is applied twice",
-            Self::Reversed => "its z axis points backward",
+            Self::Reversed => "the optical axis points backward",
         }
     }
 
@@ -207,13 +207,15 @@ impl Mistake {
                 "rotate the frame by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)"
             }
             Self::Inverse => {
-                "publish the inverse: TF's transform of a child is its pose in the parent; calibrations often hold the inverse"
+                "publish the inverse: TF holds the pose of the child in the parent, calibration files often hold the inverse"
             }
             Self::Transposed => {
                 "transpose the rotation: row-major and column-major were exchanged, or a JPL quaternion was read as Hamilton"
             }
             Self::TurnedTwice => "remove one of the two rotations RPY(-pi/2, 0, -pi/2) from the chain",
-            Self::Reversed => "rotate the optical frame by 180 deg about its y: z is the direction of view",
+            Self::Reversed => {
+                "rotate the optical frame by 180 deg about y of the optical frame: z is the direction of view"
+            }
         }
     }
 }

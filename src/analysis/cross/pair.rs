@@ -136,8 +136,8 @@ impl Pair {
     /// The sentence that says which transform both state.
     pub(crate) fn frames_stated(&self) -> String {
         format!(
-            "Both state `{}` from `{}`, the transform that takes points of the second frame to the first.",
-            self.reference.target, self.reference.source_frame
+            "Both are the transform that takes points from `{}` to `{}`.",
+            self.reference.source_frame, self.reference.target
         )
     }
 

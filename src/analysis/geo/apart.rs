@@ -39,10 +39,12 @@ pub(crate) fn position_text(origin: &LocalOrigin) -> String {
     format!("{latitude:.7}, {longitude:.7}{height}")
 }
 
-/// The offset from one to the other, where they are near.
-pub(crate) fn direction(apart: &Vector3<f64>) -> String {
+/// The offset from the first to another, as a sentence, where they are near.
+pub(crate) fn direction(apart: &Vector3<f64>, to: &str) -> String {
     if apart.norm() > FAR_M {
         return String::new();
     }
-    format!(" (east {:+.2}, north {:+.2}, up {:+.2} m)", apart.x, apart.y, apart.z)
+    // Without negative zeros.
+    let [east, north, up] = [apart.x, apart.y, apart.z].map(|m| (m * 100.0).round() / 100.0 + 0.0);
+    format!(" From the first to {to}: east {east:+.2}, north {north:+.2}, up {up:+.2} m.")
 }

@@ -5,6 +5,7 @@
 use nalgebra::Isometry3;
 
 use crate::analysis::names;
+use crate::analysis::places::cover;
 use crate::math::rotation::{deciding_decimals, expected_rounding_error};
 use crate::source::{Confidence, Place};
 use crate::world::{Claim, FrameId, World};
@@ -28,6 +29,8 @@ pub(crate) struct EarthPose {
     pub(crate) poses: Vec<(Place, Isometry3<f64>)>,
     /// Whether a rotation and a translation were stated.
     pub(crate) has: (bool, bool),
+    /// Where a file has the numbers of the rotation.
+    pub(crate) rotation_place: Option<Place>,
     /// Angle that the digits of the rotation excuse, radians.
     pub(crate) rounding_rad: f64,
     /// How sure the reading is.
@@ -59,6 +62,7 @@ impl EarthPose {
                     earth,
                     local,
                     has: (true, true),
+                    rotation_place: None,
                     rounding_rad: 0.0,
                     reading: Confidence::Certain,
                 });
@@ -77,6 +81,7 @@ impl EarthPose {
             earth,
             local,
             has: (claim.has_rotation, claim.has_translation),
+            rotation_place: Some(cover(&claim.rotation_literals, &claim.place)),
             rounding_rad: deciding_decimals(digits).map_or(0.0, expected_rounding_error),
             reading: claim.reading,
         })

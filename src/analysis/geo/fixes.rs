@@ -55,6 +55,8 @@ pub(crate) struct Reading {
     pub(crate) relation: &'static str,
     /// The position that was intended.
     pub(crate) meant: Position,
+    /// What corrects it.
+    pub(crate) help: &'static str,
 }
 
 const E7: &str = "degrees-e7";
@@ -66,18 +68,26 @@ fn is_in_range((latitude, longitude): Position) -> bool {
 
 /// Ways in which a position may be published wrongly, with the intended position.
 fn readings((latitude, longitude): Position) -> Vec<Reading> {
-    let reading = |relation, words, meant| Reading { words, relation, meant };
-    let mut found = vec![reading(
-        "lat-lon-swapped",
-        "latitude and longitude are swapped",
-        (longitude, latitude),
-    )];
+    let mut found = vec![Reading {
+        words: "latitude and longitude are swapped",
+        relation: "lat-lon-swapped",
+        meant: (longitude, latitude),
+        help: "swap the two numbers: the latitude belongs in `latitude`, the longitude in `longitude`",
+    }];
     if latitude.abs() <= std::f64::consts::FRAC_PI_2 && longitude.abs() <= std::f64::consts::PI {
-        let degrees = (latitude.to_degrees(), longitude.to_degrees());
-        found.push(reading(RADIANS, "radians are published as degrees", degrees));
+        found.push(Reading {
+            words: "radians are published as degrees",
+            relation: RADIANS,
+            meant: (latitude.to_degrees(), longitude.to_degrees()),
+            help: "multiply latitude and longitude by 180/pi before publishing",
+        });
     }
-    let scaled = (latitude / 1e7, longitude / 1e7);
-    found.push(reading(E7, "1e-7 deg units are published as degrees", scaled));
+    found.push(Reading {
+        words: "1e-7 deg units are published as degrees",
+        relation: E7,
+        meant: (latitude / 1e7, longitude / 1e7),
+        help: "divide latitude and longitude by 1e7 before publishing",
+    });
     found.retain(|reading| is_in_range(reading.meant));
     found
 }

@@ -22,8 +22,8 @@ pub(crate) struct Plane<'s> {
     pub(crate) reach: Option<(f64, String)>,
     /// Whether poses are expressed in the frame.
     pub(crate) has_poses: bool,
-    /// The curvature in the heights of poses, and of which poses.
-    pub(crate) curvature: Option<(Curvature, String)>,
+    /// The curvature in the heights of poses, of which poses, and where.
+    pub(crate) curvature: Option<(Curvature, String, Place)>,
 }
 
 impl<'s> Plane<'s> {
@@ -68,7 +68,8 @@ impl<'s> Plane<'s> {
         let pairs = in_frame().flat_map(|poses| bag.fixes.iter().map(move |fixes| (poses, fixes)));
         let mut curvatures = pairs.filter_map(|(poses, fixes)| {
             let overlay = Overlay::of(world, poses, fixes)?;
-            Some((Curvature::of(&overlay, &self.origin)?, poses.subject.clone()))
+            let curvature = Curvature::of(&overlay, &self.origin)?;
+            Some((curvature, poses.subject.clone(), poses.place()))
         });
         self.curvature = curvatures.next();
     }

@@ -3,7 +3,7 @@
 use crate::math::stats::median;
 use crate::world::motion::{Row, Series};
 
-/// The stamps of a stream are used if their rate matches the log clock to within this share.
+/// The stamps of a stream are used if their rate matches the recorder's clock to within this share.
 const MAX_RATE_ERROR: f64 = 0.02;
 /// Length over which the rate is taken, seconds; shorter streams are judged by the spread of `stamp - log` alone.
 const MIN_RATE_SPAN_S: f64 = 10.0;
@@ -56,7 +56,7 @@ impl Clock {
         }
     }
 
-    /// Median of stamp minus log time, seconds; `None` of the log clock.
+    /// Median of stamp minus log time, seconds; `None` of the recorder's clock.
     pub(crate) fn stamp_offset_s(self) -> Option<f64> {
         match self {
             Self::Stamp { offset_s } => Some(offset_s),
@@ -64,7 +64,7 @@ impl Clock {
         }
     }
 
-    /// The time of a row, seconds after `start_ns` of the log clock.
+    /// The time of a row, seconds after `start_ns` of the recorder's clock.
     pub(crate) fn time_s<R: Row>(self, row: &R, start_ns: i64) -> f64 {
         match self {
             Self::Stamp { offset_s } => seconds(row.stamp_ns(), start_ns) - offset_s,

@@ -54,15 +54,15 @@ impl Imu {
     pub(crate) fn mounting(&self) -> String {
         match (&self.mount, &self.stream.frame) {
             (Some(mount), _) if mount.is_base => format!(
-                "the messages are in `{}`, the base itself, so no transform rotates them",
+                "the messages are expressed in `{}`, the base, so no mounting transform is applied",
                 mount.base
             ),
             (Some(mount), Some(frame)) => {
                 let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
                 format!("`{}_from_{frame}` rotates by {degrees:.1} deg", mount.base)
             }
-            (_, Some(frame)) => format!("no transform ties `{frame}` to a base, so no rotation is assumed"),
-            _ => "its header names no frame, so no rotation is assumed".to_owned(),
+            (_, Some(frame)) => format!("no transform connects `{frame}` with a base, so none is applied"),
+            _ => "the messages name no frame, so no transform is applied".to_owned(),
         }
     }
 }

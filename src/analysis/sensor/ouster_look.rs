@@ -62,8 +62,8 @@ pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<AzimuthFit, Strin
         measured: [
             Measured::new("azimuth of the first column", mean.mean_rad.to_degrees(), "deg")
                 .samples(firsts.len() as u64),
-            Measured::new("agreement, clockwise", least, "1").at_least(limits.min_resultant),
-            Measured::new("agreement, counter-clockwise", other, "1"),
+            Measured::new("fit of a clockwise turn (1: perfect)", least, "1").at_least(limits.min_resultant),
+            Measured::new("fit of a counter-clockwise turn (1: perfect)", other, "1"),
         ],
     })
 }

@@ -29,7 +29,7 @@ impl<'l> Naming<'l> {
             .filter(|stream| stream.stamps.count >= limits.min_messages)
             .filter_map(|stream| stream.offset_s().map(|(offset, _)| offset))
             .collect();
-        // A stream that agrees with the log clock shows that the log clock is also that of sensors.
+        // A stream that agrees with the recorder's clock shows that the recorder's clock is also that of sensors.
         let trusted = offsets.iter().any(|offset| offset.abs() <= limits.quiet_s);
         let common = if trusted { Some(0.0) } else { median(&offsets) };
         Self {
@@ -84,7 +84,7 @@ impl<'l> Naming<'l> {
                 let against_others = believed(explain(offset - common, tolerance, self.log_s));
                 (against_others, "the other topics")
             }
-            (found, _) => (found, "the log clock"),
+            (found, _) => (found, "the recorder's clock"),
         }
     }
 

@@ -98,7 +98,7 @@ impl Stream<'_> {
         });
         let points = Series::points("stamp minus log time", points);
         (points.points.len() > 1).then(|| Plot {
-            title: format!("Stamps compared with the log clock: {}", self.subject),
+            title: format!("Stamps compared with the recorder's clock: {}", self.subject),
             x: Axis::new("log time after the start", "s"),
             y: Axis::new("stamp minus log time", "s"),
             equal: false,
@@ -118,7 +118,7 @@ impl Stream<'_> {
         self.median_stamp_s().map(Clock::of)
     }
 
-    /// How many seconds the stamps advance in a second of the log clock, from the first stamp to the last.
+    /// How many seconds the stamps advance in a second of the recorder's clock, from the first stamp to the last.
     pub(crate) fn rate(&self) -> Option<f64> {
         let mut stamped = self.stamps.samples.iter().filter(|(stamp, _)| *stamp != 0);
         let (first, last) = (stamped.next()?, stamped.next_back()?);
@@ -315,12 +315,12 @@ fn is_tf(topic: &str, message_type: &str) -> bool {
     message_type.ends_with("/TFMessage") || matches!(last, "tf" | "tf_static")
 }
 
-/// Log time at the start, Unix seconds where the log clock shows calendar time.
+/// Log time at the start, Unix seconds where the recorder's clock shows calendar time.
 pub(crate) fn log_start_s(bag: &BagEvidence) -> f64 {
     bag.start_ns.unwrap_or(0) as f64 / 1e9
 }
 
-/// The log clock.
+/// The recorder's clock.
 pub(crate) fn log_clock(bag: &BagEvidence) -> Clock {
     Clock::of(log_start_s(bag))
 }

@@ -13,7 +13,7 @@ const WINDOW: usize = 25;
 /// A steady change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drift {
-    /// Seconds that the stamps gain in a second of the log clock; negative where they fall behind.
+    /// Seconds that the stamps gain in a second of the recorder's clock; negative where they fall behind.
     pub(crate) rate: f64,
     /// Length of the log, seconds.
     pub(crate) span_s: f64,

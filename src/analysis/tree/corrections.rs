@@ -29,13 +29,16 @@ impl<'a> Jump<'a> {
         }
     }
 
-    /// In words: "1.20 m and 3.0 deg after 12.3 s".
-    pub(crate) fn words(&self, bag: &BagEvidence) -> String {
-        let since = bag
-            .start_ns
+    /// When it is, seconds after the recording's start.
+    pub(crate) fn since_s(&self, bag: &BagEvidence) -> f64 {
+        bag.start_ns
             .map_or(0, |start| self.at.after.at.log_ns.saturating_sub(start)) as f64
-            / 1e9;
-        format!("{:.2} m and {:.1} deg after {since:.1} s", self.m, self.deg)
+            / 1e9
+    }
+
+    /// In words: "1.20 m and 3.0 deg at 12.3 s".
+    pub(crate) fn words(&self, bag: &BagEvidence) -> String {
+        format!("{:.2} m and {:.1} deg at {:.1} s", self.m, self.deg, self.since_s(bag))
     }
 }
 

@@ -25,8 +25,6 @@ pub(crate) struct Drift {
     pub(crate) sigma_m: f64,
     /// Length of the odometry's path, metres.
     pub(crate) way_m: f64,
-    /// Root mean square of the residual of each third, metres.
-    rms_m: [f64; 2],
     points: usize,
 }
 
@@ -45,15 +43,13 @@ impl Drift {
         }
     }
 
-    pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 3] {
-        let [first, last] = self.rms_m;
+    pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 2] {
         [
             Measured::new(format!("drift relative to {}", self.against), self.by_m, "m")
                 .limit(self.least_m(limits))
                 .spread(self.sigma_m)
                 .samples(self.points as u64),
-            Measured::new("path length", self.way_m, "m"),
-            Measured::new("residual of the worse third", first.max(last), "m"),
+            Measured::new("path length of the odometry", self.way_m, "m"),
         ]
     }
 }
@@ -183,7 +179,6 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
         by_m,
         sigma_m,
         way_m,
-        rms_m: [first.rms_m, last.rms_m],
         points: both.len(),
     })
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::analysis::relate::{Difference, PoseTolerance};
+use crate::math::relation::Relation;
 use crate::verdict::Severity;
 use crate::world::bag::{TfEdge, TfSample};
 use crate::world::{BagEvidence, FrameId};
@@ -52,6 +53,11 @@ impl Change {
         }
     }
 
+    /// Its size in words.
+    pub(crate) fn words(self) -> String {
+        format!("{:.2} deg and {:.3} m", self.deg, self.m)
+    }
+
     /// Angle and distance are weighted equally at 0.1 degrees and 1 mm, as in the evidence.
     pub(crate) fn order<T>(a: &(T, Self), b: &(T, Self)) -> std::cmp::Ordering {
         let weight = |change: &Self| (change.deg / 0.1).max(change.m / 0.001);
@@ -74,6 +80,27 @@ impl StableTally {
         self.deg = self.deg.max(change.deg);
         self.m = self.m.max(change.m);
     }
+}
+
+/// A value in words.
+pub(crate) fn value(sample: &TfSample) -> String {
+    let pose = sample.pose.isometry();
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let [x, y, z] = <[f64; 3]>::from(pose.translation.vector);
+    // Without negative zeros.
+    let [x, y, z, roll, pitch, yaw] = [x, y, z, roll, pitch, yaw].map(|value| (value * 1e4).round() / 1e4 + 0.0);
+    format!("xyz {x:.4} {y:.4} {z:.4} m, rpy {roll:.4} {pitch:.4} {yaw:.4} rad")
+}
+
+/// The simplest convention error between two values, as a sentence behind a space, or nothing.
+pub(crate) fn explanation(difference: &Difference) -> String {
+    let known = difference.relation.and_then(Relation::from_word);
+    known.map_or_else(String::new, |relation| {
+        format!(
+            " The simplest explanation: one of the two values {}.",
+            relation.relates_to("the other")
+        )
+    })
 }
 
 /// The difference in words, and the convention error that explains it.

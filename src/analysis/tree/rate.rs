@@ -38,12 +38,15 @@ impl Rate {
 
     /// The numbers with the limits of the errors.
     pub(crate) fn measured(&self, max_error_m: f64, max_error_deg: f64) -> [Measured; 4] {
-        let error = |value, unit, limit| Measured::new("interpolation error", value, unit).limit(limit);
+        let error = |what: &str, value, unit, limit| {
+            let what = format!("error of the interpolated {what} (99th percentile)");
+            Measured::new(what, value, unit).limit(limit).samples(self.steps)
+        };
         [
-            error(self.error_m, "m", max_error_m).samples(self.steps),
-            error(self.error_deg, "deg", max_error_deg).samples(self.steps),
-            Measured::new("median gap", self.usual_s, "s").samples(self.steps),
-            Measured::new("99th percentile of the gaps", self.long_s, "s").samples(self.steps),
+            error("position", self.error_m, "m", max_error_m),
+            error("rotation", self.error_deg, "deg", max_error_deg),
+            Measured::new("time between two transforms (median)", self.usual_s, "s").samples(self.steps),
+            Measured::new("time between two transforms (99th percentile)", self.long_s, "s").samples(self.steps),
         ]
     }
 }

@@ -113,13 +113,16 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, ReadObstacle> {
     };
     let (Some(numbers), Some([parent, child])) = (numbers, frames) else {
         let open = words.iter().find(|word| word.is_open && word.text.starts_with('$'));
-        return Err(match open {
-            Some(open) => ReadObstacle::Open(open.text.clone()),
-            None => ReadObstacle::Misread(format!(
-                "it has {} arguments; it needs 6 or 7 numbers and two frames",
-                words.len()
-            )),
-        });
+        if let Some(open) = open {
+            return Err(ReadObstacle::Open(open.text.clone()));
+        }
+        let numbers = words.iter().filter(|word| is_number(word)).count();
+        let others = words.len() - numbers;
+        return Err(ReadObstacle::Misread(if matches!((numbers, others), (6 | 7, 2)) {
+            "the two frames must come after the numbers".to_owned()
+        } else {
+            format!("{numbers} numbers and {others} other words, not 6 or 7 and 2")
+        }));
     };
     if let Some(name) = numbers.iter().find(|word| !word.is_open && !is_number(word)) {
         return Err(ReadObstacle::Misread(format!(

@@ -111,16 +111,13 @@ fn full(page: &Page, drawn: &PlotMarkup, number: usize, finding: &Finding) -> Ma
                 a href={ "#rule-" (finding.rule) } { (finding.rule) " " (finding.name) }
             }
             p class="message" { (words(&finding.message)) }
-            @if !finding.detail.is_empty() { p { (words(&finding.detail)) } }
+            @if !finding.detail.is_empty() { p class="detail" { (words(&finding.detail)) } }
             @if let Some(waived) = &finding.waived { (summary::accepted(waived)) }
             @if finding.confidence == Confidence::Hint {
                 p class="small" { "A hint: it never fails a dataset." }
             }
             (places(page, &finding.places))
             @if !finding.measured.is_empty() { (numbers(&finding.measured)) }
-            @if let Some(relation) = &finding.relation {
-                p { span class="label" { "Relation: " } code { (plain(relation)) } }
-            }
             @if !finding.help.is_empty() {
                 p class="help" { span class="label" { "What to do: " } (words(&finding.help)) }
             }

@@ -37,9 +37,6 @@ pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, styl
             &wrap(&one_line(&measured_words(measured)), style.width, label, "            "),
         );
     }
-    if let Some(relation) = &finding.relation {
-        push(out, &format!("  relation: {}", one_line(relation)));
-    }
     if !finding.help.is_empty() {
         push(out, &wrap(&clean(&finding.help), style.width, "  help: ", "        "));
     }
@@ -146,24 +143,25 @@ pub(in crate::report) fn message_words(message: &MessageRef) -> String {
     format!("{} message {}, {when}{field}", message.topic, message.index)
 }
 
-/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, 12 samples`; what had to be reached and is: `distance = 51 m, enough (5 m is needed)`.
+/// `rotation difference = 90 deg, limit 1 deg, spread 0.2 deg, from 12 samples`. A condition that is met: `distance = 51 m (at least 5 m needed)`.
+/// That none is allowed is not said of a number of things.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let spelled = NumberText::new(measured);
     let mut words = format!("{} = {}", measured.what, spelled.value);
-    if let Some(limit) = spelled.limit {
-        let is_reached =
-            measured.bound == Bound::AtLeast && measured.limit.is_some_and(|limit| measured.value >= limit);
-        let _ = if is_reached {
-            write!(words, ", enough ({limit} is needed)")
-        } else {
-            write!(words, ", {} {limit}", measured.bound.word())
+    let allows_none = measured.bound == Bound::Within && measured.unit == "count" && measured.limit == Some(0.0);
+    if let Some(limit) = spelled.limit.filter(|_| !allows_none) {
+        let is_reached = measured.limit.is_some_and(|limit| measured.value >= limit);
+        let _ = match measured.bound {
+            Bound::AtLeast if is_reached => write!(words, " (at least {limit} needed)"),
+            bound => write!(words, ", {} {limit}", bound.word()),
         };
     }
     if let Some(spread) = spelled.spread {
         let _ = write!(words, ", spread {spread}");
     }
-    if let Some(n) = measured.n.filter(|n| *n > 1) {
-        let _ = write!(words, ", {n} samples");
+    let is_counted = |n: u64| measured.unit == "count" && measured.value.total_cmp(&(n as f64)).is_eq();
+    if let Some(n) = measured.n.filter(|n| *n > 1 && !is_counted(*n)) {
+        let _ = write!(words, ", from {n} samples");
     }
     words
 }

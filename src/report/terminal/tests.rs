@@ -103,9 +103,8 @@ error[CALIB01 sources-differ] two sources differ by 90 deg
    ·   ───┬──
    ·      ╰── 0 deg here
    ╰────
-  measured: rotation difference = 90 deg, limit 1 deg, spread 0.25 deg, 12 samples
+  measured: rotation difference = 90 deg, limit 1 deg, spread 0.25 deg, from 12 samples
             translation difference = 0 m, limit 0.05 m
-  relation: rz-90
 
 `frames-lint explain CALIB01` shows how the rule decides, why it matters and how to fix it
 
@@ -349,6 +348,6 @@ fn how_much_was_looked_at_is_part_of_the_verdict() {
 #[test]
 fn what_had_to_be_reached_is_enough_or_not() {
     let words = |value| finding::measured_words(&Measured::new("distance", value, "m").at_least(5.0));
-    assert_eq!(words(51.5), "distance = 51.5 m, enough (5 m is needed)");
-    assert_eq!(words(2.0), "distance = 2 m, at least 5 m");
+    assert_eq!(words(51.5), "distance = 51.5 m (at least 5 m needed)");
+    assert_eq!(words(2.0), "distance = 2 m, must be at least 5 m");
 }

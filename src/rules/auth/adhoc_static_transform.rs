@@ -31,10 +31,8 @@ impl Rule for AdhocStaticTransform {
 /// The links of every robot that could be read whole.
 fn links(world: &World) -> BTreeSet<FrameId> {
     let whole = world.robots.iter().filter(|robot| robot.fragment.is_none());
-    whole
-        .flat_map(|robot| &robot.links)
-        .map(|link| FrameId::new(&link.name.value).canonical())
-        .collect()
+    let names = whole.flat_map(|robot| &robot.links).map(|link| &link.name.value);
+    names.map(|name| FrameId::new(name).canonical()).collect()
 }
 
 /// Frames that calibration files state a transform of, in either direction.
@@ -69,7 +67,7 @@ fn judge_bag(
         .copied()
         .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated, &world.tables))
         .collect();
-    let measured = Measured::count("latched transforms without a source", adhoc.len()).limit(limits.max_edges);
+    let measured = Measured::count("latched transforms that no file states", adhoc.len()).limit(limits.max_edges);
     let measured = measured.samples(latched.len() as u64);
     if adhoc.len() as f64 <= limits.max_edges {
         out.pass(subject, [measured]);
@@ -96,23 +94,24 @@ fn finding(bag: &BagEvidence, subject: String, adhoc: &[&TfEdge]) -> Option<Find
         .iter()
         .find(|edge| carried.contains(&edge.child.canonical()))
         .or_else(|| adhoc.first())?;
-    let children: BTreeSet<FrameId> = adhoc.iter().map(|edge| edge.child.canonical()).collect();
-    let (severity, used) = match carried.first() {
-        Some(frame) => (Severity::Warning, format!(" Sensor data are expressed in `{frame}`.")),
-        None => (Severity::Note, String::new()),
-    };
-    let message = match adhoc.len() {
-        1 => "1 latched transform of the robot is in no URDF and no calibration file".to_owned(),
-        n => format!("{n} latched transforms of the robot are in no URDF and no calibration file"),
-    };
-    let detail = format!("Child frames: {}.{used}", tf::listed(&children));
     let place = |edge: &TfEdge| Place::message(bag.source, edge.first_at.clone());
     let words = |edge: &TfEdge| format!("`{}` -> `{}`", edge.parent, edge.child);
-    let mut finding = Finding::new(severity, subject, message, place(first))
-        .likely()
-        .label(words(first))
-        .detail(detail)
-        .help("add them to the URDF or to a calibration file that is kept with it, and publish them from there");
+    let (which, what) = match adhoc.len() {
+        1 => (format!("{} on `{}` is", words(first), first.topic), "this transform"),
+        n => (format!("{n} latched transforms of the robot are"), "these transforms"),
+    };
+    let message = format!("{which} in no URDF and no calibration file");
+    let help = format!("write {what} into the URDF, or into a calibration file whose loader publishes {what}");
+    let finding = Finding::new(Severity::Note, subject, message, place(first));
+    let mut finding = finding.likely().label(words(first)).help(help);
+    if adhoc.len() > 1 {
+        let children: BTreeSet<FrameId> = adhoc.iter().map(|edge| edge.child.canonical()).collect();
+        finding = finding.detail(format!("Child frames: {}.", tf::listed(&children)));
+    }
+    if let Some(frame) = carried.first() {
+        finding.severity = Severity::Warning;
+        finding = finding.detail(format!("Sensor data are expressed in `{frame}`."));
+    }
     for edge in adhoc.iter().filter(|edge| edge.child != first.child).take(3) {
         finding = finding.related(place(edge), words(edge));
     }

@@ -73,7 +73,10 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
     let finding = Finding::warning(subject, message, first.recorded.clone())
         .label("in the recording")
         .detail(format!("{}{more}.", words.join("; ")))
-        .help("evaluate the recording with the URDF that it was made with, or update the file")
+        .help(format!(
+            "if the robot has changed since the recording, check the recording with the URDF of that time; otherwise correct `{}`",
+            world.path(file.source)
+        ))
         .measured(measured)
         .related(first.file.clone(), "in the file");
     out.fail(finding);
@@ -103,8 +106,9 @@ fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     out.fail(
         Finding::note(subject, message, Place::whole(bag.source))
             .hint()
-            .help("write the id, hash or date of the calibration and of the URDF into the recording's metadata")
-            .measured(measured.limit(1.0)),
+            .detail("No name of a record or field has a word such as calibration, extrinsics, urdf, hash or serial.")
+            .help("write the id or hash of calibration and URDF into the recording's metadata, as `calibration_id` and `urdf_hash`")
+            .measured(measured.at_least(1.0)),
     );
 }
 

@@ -34,10 +34,8 @@ impl Rule for CalibrationMissingDefault {
                 let why = source.detail.as_deref().unwrap_or("it cannot be read");
                 let message = format!("calibration file `{}` contains no transform", source.path);
                 let subject = format!("calibration {}", source.path);
-                out.fail(
-                    finding(subject, message, Place::whole(source.id), stand_in, true)
-                        .detail(format!("Reason: {why}.")),
-                );
+                let finding = finding(subject, message, Place::whole(source.id), stand_in, true);
+                out.fail(finding.detail(format!("Reason: {why}.")));
             }
         }
     }
@@ -55,20 +53,19 @@ fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mu
             return out.missing(subject, why);
         }
         ReferenceState::Empty => "is empty",
-        ReferenceState::Missing => "is not in the folder of this file",
+        ReferenceState::Missing => "does not exist",
     };
     let message = format!(
-        "`{}` names the calibration file `{}`, which {what}",
+        "`{}`: calibration file `{}` {what}",
         reference.key, reference.path.value
     );
     let certain = reference.state == ReferenceState::Empty;
-    out.fail(finding(
-        subject,
-        message,
-        reference.path.place.clone(),
-        stand_in,
-        certain,
-    ));
+    let finding = finding(subject, message, reference.path.place.clone(), stand_in, certain);
+    out.fail(if certain {
+        finding
+    } else {
+        finding.detail("The path was read relative to the folder of this file. A program may look in another folder.")
+    });
 }
 
 /// Empty files are always wrong. A file that is not in the input may be elsewhere: only an identity in its place makes an effect
@@ -79,22 +76,29 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
         (false, Some(_)) => Finding::error(subject, message, place).likely(),
         (false, None) => Finding::warning(subject, message, place).hint(),
     };
-    let finding = finding
-        .help("correct the path, or write the calibration into that file; and let the loader fail without it: a missing calibration must not become the identity")
-        .measured(Measured::count("calibration files that are missing or empty", 1).limit(0.0));
+    let (help, what) = if certain {
+        (
+            "write the calibration into the file, and let the loader fail on an empty file instead of using the identity",
+            "calibration files without content",
+        )
+    } else {
+        (
+            "correct the path or add the file, and let the loader fail on a missing file instead of using the identity",
+            "missing calibration files",
+        )
+    };
+    let identity = "the identity, perhaps used instead of this calibration";
+    let finding = finding.help(help).measured(Measured::count(what, 1).limit(0.0));
     match stand_in {
-        Some(claim) => finding.related(claim.place.clone(), "the identity, perhaps in place of the file"),
+        Some(claim) => finding.related(claim.place.clone(), identity),
         None => finding,
     }
 }
 
 fn is_calibration(source: &Source) -> bool {
-    let name = source.path.rsplit('/').next().unwrap_or(&source.path);
+    let name = FrameId::new(source.path.rsplit('/').next().unwrap_or(&source.path));
     matches!(source.kind, SourceKind::Yaml | SourceKind::Json | SourceKind::Text)
-        && FrameId::new(name)
-            .tokens()
-            .iter()
-            .any(|token| CALIBRATION.contains(&token.as_str()))
+        && CALIBRATION.iter().any(|word| name.has_token(word))
 }
 
 /// A sensor that is mounted with the identity.
@@ -102,11 +106,7 @@ fn identity_mount<'w>(world: &'w World, limits: &Limits) -> Option<&'w Claim> {
     world.claims.iter().find(|claim| {
         let is_mount = matches!(claim.kind, ClaimKind::Joint { fixed: true, .. });
         let is_sensor = claim.source_frame().is_some_and(|frame| {
-            let tokens = frame.tokens();
-            tokens
-                .iter()
-                .any(|token| SENSORS.iter().any(|words| words.contains(&token.as_str())))
-                && !tokens.iter().any(|token| token == "optical")
+            SENSORS.iter().copied().flatten().any(|word| frame.has_token(word)) && !frame.has_token("optical")
         });
         let is_identity = claim.pose.is_some_and(|pose| {
             let pose = pose.isometry();

@@ -56,17 +56,21 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .take(NAMED)
         .map(|(topic, _, line)| format!("- {{topic: {topic}, {line}}}"))
         .collect();
-    let message = match open.len() {
-        1 => "the configuration declares the conventions of other topics, but not of 1 topic".to_owned(),
-        n => format!("the configuration declares the conventions of other topics, but not of {n} topics"),
+    let (which, detail) = match names.as_slice() {
+        [only] => (only.clone(), String::new()),
+        _ => (
+            format!("{} topics", open.len()),
+            format!("Not declared: {}{more}.", names.join(", ")),
+        ),
     };
+    let message = format!("{which}: conventions are not declared (frames-lint.yaml declares other topics)");
     let help = format!(
-        "add to `conventions:` in frames-lint.yaml, if they follow the conventions of ROS:\n{}",
+        "add this to `conventions:` in frames-lint.yaml. It states the conventions of ROS: change it where the driver has others\n{}",
         lines.join("\n")
     );
     let finding = Finding::note(subject, message, Place::whole(bag.source))
         .hint()
-        .detail(format!("Not declared: {}{more}.", names.join(", ")))
+        .detail(detail)
         .help(help);
     out.fail(finding.measured(measured));
 }

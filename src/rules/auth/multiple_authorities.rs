@@ -56,10 +56,18 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
             // Reported at the last one.
             continue;
         }
-        let (who, by) = if other.is_published() {
-            ("two static_transform_publishers", "the other call")
+        let (who, by, help) = if other.is_published() {
+            (
+                "two static_transform_publishers",
+                "the other call",
+                "remove one of the two calls, and keep the right value",
+            )
         } else {
-            ("a static_transform_publisher and robot_state_publisher", "the joint")
+            (
+                "a static_transform_publisher and robot_state_publisher",
+                "the joint",
+                "remove the static_transform_publisher, and write the right value into the joint",
+            )
         };
         let apart = edge.pose.zip(other.pose).map(|(a, b)| {
             let distance_m = (a.translation.vector - b.translation.vector).norm();
@@ -70,12 +78,12 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
             Some((deg, m)) => (
                 Severity::Error,
                 format!("{deg:.2} deg and {m:.3} m apart"),
-                "a listener keeps the value that it received last",
+                "listeners use the value that was published last",
             ),
             None => (
                 Severity::Note,
                 "with equal values".to_owned(),
-                "the values may differ later",
+                "a later change of one of the values makes them differ",
             ),
         };
         let message = format!("`{}` -> `{}` is published twice, {values}", edge.parent, edge.child);
@@ -83,7 +91,7 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
             .likely()
             .confidence(published_reading(world, edge))
             .detail(format!("The publishers are {who}; {effect}."))
-            .help("let only one program publish the transform: remove the call if the URDF has the joint")
+            .help(help)
             .measured(count);
         if !other.is_published() {
             finding = finding.unless(codes::CROSS02).unless(codes::CROSS01);
@@ -100,9 +108,8 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     // Names of anonymous nodes end in numbers.
     let programs: BTreeSet<&str> = edge.writers.keys().map(|name| stem(name)).collect();
     let share = edge.steps.undone as f64 / (edge.steps.count as f64).max(1.0);
-    let undone = Measured::new("share of reversed steps", share, "1")
-        .limit(limits.undone_share)
-        .samples(edge.steps.count);
+    let known = Measured::count("publishers that the recording names", edge.writers.len());
+    let undone = Measured::new("share of the steps that the next step undoes", share, "1").samples(edge.steps.count);
     let takes_turns = takes_turns(edge, share, limits);
     if !takes_turns && programs.len() < 2 {
         if edge.writers.is_empty() && edge.steps.count < limits.min_steps {
@@ -111,13 +118,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
                 "the recording does not name the publishers, and has too few transforms to detect two",
             );
         } else {
-            out.pass(
-                subject,
-                [
-                    Measured::count("known publishers", edge.writers.len()).limit(1.0),
-                    undone,
-                ],
-            );
+            out.pass(subject, [known.limit(1.0), undone.limit(limits.undone_share)]);
         }
         return;
     }
@@ -127,34 +128,46 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
             let names: Vec<String> = edge.writers.keys().map(|name| format!("`{name}`")).collect();
             (
                 format!("{n} publishers"),
-                format!("The publishers are {}. ", names.join(", ")),
+                format!("The publishers are {}. ", names.join(" and ")),
             )
         }
     };
     let what = format!("`{}` -> `{}` on `{}`", edge.parent, edge.child, edge.topic);
-    let (severity, message, how) = if takes_turns {
+    let keep_filter =
+        "let only one node publish the transform, usually the filter: set `publish_tf: false` in the others";
+    let (severity, message, how, help) = if takes_turns {
         let (undone, count) = (edge.steps.undone, edge.steps.count);
         let message = format!("{who} alternate on {what}: {undone} of {count} steps are reversed");
-        (
-            Severity::Error,
-            message,
-            "Each of these steps is reversed by the next one: a listener gets both series in turn.",
-        )
+        let how = "The next step undoes each of these steps: listeners get two different series in turn.";
+        (Severity::Error, message, how, keep_filter)
     } else if moves(edge, limits) {
-        let message = format!("{who} publish the moving transform {what}");
-        (Severity::Warning, message, "tf2 interpolates between their values.")
+        let message = format!("{what} has {who}");
+        let how = "tf2 interpolates between all of their values, as if one node had published them.";
+        (Severity::Warning, message, how, keep_filter)
     } else {
-        let message = format!("{who} publish the constant transform {what}");
-        (Severity::Note, message, "Their values are equal, but may differ later.")
+        let message = format!("the constant transform {what} has {who}");
+        let how = "Their values are equal, until one publisher is changed.";
+        let help = "let only one node publish the transform, usually robot_state_publisher: remove the transform from the others";
+        (Severity::Note, message, how, help)
+    };
+    let measured = if takes_turns {
+        let is_usual = share >= limits.undone_share;
+        let least = if is_usual {
+            limits.undone_share
+        } else {
+            limits.rare_share
+        };
+        [undone.limit(least), known]
+    } else {
+        [known.limit(1.0), undone]
     };
     let at = edge.steps.first_undone.as_ref().filter(|_| takes_turns);
     let place = at.map_or(&edge.first_at, |step| &step.after.at);
     let finding = Finding::new(severity, subject, message, Place::message(bag.source, place.clone()))
         .likely()
         .detail(format!("{names}{how}"))
-        .help("let only one program publish the transform: turn off `publish_tf` in the driver, the filter or the simulator")
-        .measured(Measured::count("known publishers", edge.writers.len()).limit(1.0))
-        .measured(undone);
+        .help(help)
+        .measured(measured);
     out.fail(finding);
 }
 

@@ -30,14 +30,14 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
     });
     let mut measured: Vec<Measured> = yaw.into_iter().collect();
     let over = [
-        (pushed.speeding, "the change of speed"),
-        (pushed.curving, "speed times turn rate"),
+        (pushed.speeding, "change of speed"),
+        (pushed.curving, "(speed x turn rate)"),
     ];
     for (fit, track) in over {
         let Some(fit) = fit else { continue };
         let along = fit.gain.iter().zip(fit.error.iter()).zip(["x", "y"]);
         measured.extend(along.map(|((gain, error), axis)| {
-            Measured::new(format!("acceleration along {axis} over {track}"), *gain, "1").spread(*error)
+            Measured::new(format!("acceleration along {axis} / {track}"), *gain, "1").spread(*error)
         }));
     }
     if pushed.class == Push::Forward && !is_left {
@@ -52,23 +52,23 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
     }
     let message = format!("`{}`: {}", imu.stream.topic, wrong(pushed));
     let yaw = match sensor.diagnosis.word() {
-        Some("turned-mount") => format!(" A yaw of about {:+.0} deg of the sensor explains it.", pushed.yaw_deg),
+        Some("turned-mount") => format!(" A mounting yaw of about {:+.0} deg explains it.", pushed.yaw_deg),
         _ => String::new(),
     };
     let curves = match pushed.curving {
         Some(curving) if is_left && pushed.class != Push::Forward => {
             let [along_x, along_y] = curving.gain.into();
-            format!(" In curves to the left the gain is {along_x:+.2} along x and {along_y:+.2} along y.")
+            format!(" In curves to the left the ratio is {along_x:+.2} along x and {along_y:+.2} along y.")
         }
         _ => String::new(),
     };
     let detail = format!(
-        "Compared with the motion of {}. Expected gains: +1 along x when speeding up, +1 along y in curves to the left.{curves}{yaw} Mounting: {}.",
+        "Compared with the motion of {}. The ratios should be +1 along x when speeding up, and +1 along y in curves to the left.{curves}{yaw} Mounting: {}.",
         pushed.track,
         imu.mounting()
     );
-    let otherwise = "add the sensor's yaw to its frame in TF, or negate an accelerometer that measures gravity instead of specific \
-         force: x points forward (REP-103). A drive in reverse looks the same";
+    let otherwise = "add the missing yaw to the mounting transform, or negate the acceleration if it is gravity instead of specific force. Nothing is wrong if \
+         this was a drive in reverse";
     let finding = explain(
         &sensor.diagnosis,
         imu,
@@ -78,6 +78,12 @@ fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &AccelF
             .detail(detail),
         otherwise,
     );
+    let finding = match sensor.diagnosis.word() {
+        Some("left-handed-accelerometer") if pushed.class == Push::Forward => {
+            finding.help("negate y of the acceleration: it must be positive in a curve to the left")
+        }
+        _ => finding,
+    };
     let finding = finding.related(pushed.track_at.clone(), TRACK).measured(measured);
     out.fail(if is_left {
         unless_swapped(&pushed.track, finding)
@@ -108,5 +114,5 @@ fn wrong(pushed: &AccelFit) -> String {
         );
     }
     let gain = if is.ends_with('x') { fit.gain.x } else { fit.gain.y };
-    format!("acceleration {when} is along {is}, not along {should} (gain {gain:+.2})")
+    format!("acceleration {when} is along {is}, not along {should} (ratio {gain:+.2})")
 }

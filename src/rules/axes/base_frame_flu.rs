@@ -24,8 +24,13 @@ impl Rule for BaseFrameFlu {
 
 fn judge_seen(base: &Base, subject: String, seen: &BaseEstimate, limits: &Limits, out: &mut Judge) {
     let measured = [
-        Measured::new("agreement on the forward direction", seen.concentration, "1").at_least(limits.min_concentration),
-        Measured::new("distance", seen.way_m, "m").at_least(limits.min_way_m),
+        Measured::new(
+            "steadiness of the direction of motion in the axes of the base (1: always the same)",
+            seen.concentration,
+            "1",
+        )
+        .at_least(limits.min_concentration),
+        Measured::new("distance driven", seen.way_m, "m").at_least(limits.min_way_m),
     ];
     let Some(up) = seen.up else {
         return out.too_little(subject, "no axis of it points up steadily by its pose");
@@ -64,10 +69,14 @@ fn judge_seen(base: &Base, subject: String, seen: &BaseEstimate, limits: &Limits
             let message = format!("`{}` moves backwards ({:.0} m along -x)", base.frame, seen.way_m);
             let finding = Finding::note(subject, message, base.place.clone())
                 .hint()
-                .detail("Either the platform drove in reverse, or its x axis points to the rear.");
-            let finding = finding.help(
-                "rotate the base frame by 180 deg about z unless the platform drove in reverse: x points forward (REP-103)",
-            );
+                .detail(format!(
+                    "Either the platform drove in reverse, or x of `{}` points to the rear.",
+                    base.frame
+                ));
+            let finding = finding.help(format!(
+                "if the platform drove forward, rotate `{}` by 180 deg about z, so that x points forward (REP-103); if not, change nothing",
+                base.frame
+            ));
             out.fail(finding.measured(measured));
         }
         Some(forward) => {
@@ -100,23 +109,34 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     let because = match &seen.gravity {
         Some((axis, sensor)) if *axis != up => {
             format!(
-                "Shown by {says} of {}; {sensor} on it has z up, and the pose rotates opposite to its gyro.",
+                "Shown by {says} of {}. On `{frame}`, {sensor} has z up, and the pose rotates opposite to that gyro.",
                 base.stream
             )
         }
         Some((_, sensor)) => format!("Shown by {says} of {} and by gravity of {sensor}.", base.stream),
-        None => format!("Shown by pose and motion of {}.", base.stream),
+        None => format!("Shown by {says} of {}.", base.stream),
     };
-    let doubt = if seen.is_upside_down() && seen.gravity.is_none() {
+    // What else explains it, and what to do then.
+    let (doubt, else_do) = if seen.is_upside_down() && seen.gravity.is_none() {
         if seen.is_up_reordered {
-            " Instead, the frame that the pose is expressed in may have z down, or the quaternion may be in the order w, x, y, z."
+            (
+                " Alternatively, the frame that the pose is expressed in may have z down, or the quaternion may be in the order w, x, y, z.",
+                "find the cause that applies, then:\n(1) if the frame that the pose is expressed in has z down, publish the pose in a frame with z up\n\
+                 (2) if the quaternion is in the order w, x, y, z, publish the quaternion as x, y, z, w\n(3) otherwise ",
+            )
         } else {
-            " Instead, the frame that the pose is expressed in may have z down."
+            (
+                " Alternatively, the frame that the pose is expressed in may have z down.",
+                "find the cause that applies, then:\n(1) if the frame that the pose is expressed in has z down, publish the pose in a frame with z up\n(2) otherwise ",
+            )
         }
     } else if !seen.is_upside_down() && seen.twist_agrees.is_none() {
-        " Instead, the zero of the orientation's yaw may differ from that of the position."
+        (
+            " Alternatively, the yaw of the orientation may count from another direction than x of the position.",
+            "find the cause that applies, then:\n(1) if the yaw of the orientation does not count from x of the position, correct the yaw\n(2) otherwise ",
+        )
     } else {
-        ""
+        ("", "")
     };
     let message = format!("`{frame}` is not x forward, y left, z up: {axes}");
     let known = match spelled.as_deref() {
@@ -134,8 +154,11 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
         .likely()
         .detail(format!("{because}{doubt}{known}"))
         .help(format!(
-            "publish `{frame}` with x forward, y left, z up (REP-103): `world_from_flu = world_from_present * present_from_flu`; keep \
-             the present axes as a child frame with its own name (such as `{frame}_frd`)"
+            "{else_do}publish `{frame}` with x forward, y left, z up (REP-103): `world_from_flu = world_from_present * present_from_flu`; keep \
+             the present axes as a child frame with a name of its own{}",
+            spelled
+                .as_ref()
+                .map_or_else(String::new, |letters| format!(" (`{frame}_{}`)", letters.to_lowercase()))
         ));
     match spelled {
         Some(letters) => finding.relation(letters.to_lowercase()),

@@ -1,8 +1,9 @@
 //! AXES11: whether a cloud is mirrored, by its rotation compared with a gyro.
 
+use crate::advice::places::with_mounting;
 use crate::analysis::axes::cloud_turn::{CloudTurn, Limits};
-use crate::analysis::lidar::Clouds;
 use crate::analysis::time::sweep::{self, sweeps_the_other_way};
+use crate::analysis::{lidar::Clouds, motion::mount::mount};
 use crate::rules::prelude::*;
 
 pub(crate) struct CloudMirror;
@@ -16,10 +17,8 @@ impl Rule for CloudMirror {
         for clouds in Clouds::scanners(world) {
             let subject = clouds.subject("handedness");
             if !clouds.is_of_a_lidar() {
-                out.not_applicable(
-                    subject,
-                    "not recognised as raw points of a lidar by its fields, topic or frame",
-                );
+                let why = "not recognised as raw points of a lidar by its fields, topic or frame";
+                out.not_applicable(subject, why);
                 continue;
             }
             match CloudTurn::of(world, &clouds, limits) {
@@ -40,8 +39,9 @@ fn judge_clouds(
 ) {
     let CloudTurn { beside, turned, is_up } = turn;
     let measured = [
-        Measured::new("rotation of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
-        Measured::new("t statistic of that factor", turned.t, "1").at_least(limits.min_t),
+        Measured::new("rotation of the scans / rotation of the reference", turned.gain, "1")
+            .samples(turned.pairs as u64),
+        Measured::new("t statistic of that ratio", turned.t, "1").at_least(limits.min_t),
         Measured::new("rotation between two scans (rms)", turned.turn_deg, "deg").at_least(limits.min_turn_deg),
     ];
     let Some(is_up) = *is_up else {
@@ -54,55 +54,63 @@ fn judge_clouds(
     if turn.is_right_handed() == Some(true) {
         return out.pass(subject, measured);
     }
-    let (relation, what, help) = if clouds.laser.is_some() {
+    let reference = beside.name.trim_start_matches("topic ");
+    let (z, mounted, expected) = if is_up {
+        ("up", "upside down", "+1")
+    } else {
+        ("down", "upright", "-1")
+    };
+    let by_transform = format!(
+        "By the transforms, z of the scanner points {z}. Either the scanner is mounted {mounted} and its transform does not say so, or the driver \
+         publishes the ranges in reverse order. In one plane both look the same."
+    );
+    let look = format!(
+        "look at the scanner, then:\n\
+         (1) if the scanner is mounted {mounted}, add a roll of 180 deg to its mounting transform\n\
+         (2) if not, make the driver publish the ranges in the order of increasing angles (switch one option only: `inverted` or `flip_x_axis`)"
+    );
+    let by_ground = |cause: &str| format!("By the ground in the cloud, z points {z}. Probable cause: {cause}.");
+    let (relation, fault, detail, help) = if clouds.laser.is_some() {
         (
             if is_up { "upside-down" } else { "upright" },
-            "the scanner is mounted the other way up than its transform states, or its ranges are in reverse order; in one plane the two \
-             are the same",
-            "add a roll of 180 deg to the transform if the scanner is mounted so; if not, make its driver publish ranges in the order of \
-             increasing angles (`inverted`, `flip_x_axis` or similar, once)",
+            "scans are upside down or reversed",
+            by_transform,
+            look.as_str(),
         )
     } else if is_up {
         (
             "mirrored",
-            "x or y has the wrong sign, or the two are swapped",
+            "cloud is mirrored",
+            by_ground("x or y has the wrong sign, or x and y are swapped"),
             "correct x and y in the code that converts ranges and angles to points: an angle counted in the wrong direction, or \
              left-handed axes (x, -y, z)",
         )
     } else {
         (
             "z-negated",
-            "z has the wrong sign",
-            "correct z in the code that converts ranges and angles to points: an upside-down sensor is rotated by 180 deg, which negates two axes",
+            "cloud is mirrored",
+            by_ground("z has the wrong sign"),
+            "correct z in the code that converts ranges and angles to points: for a sensor that is upside down, negate two axes (y and z)",
         )
     };
-    let fault = if clouds.laser.is_some() {
-        "the scans are upside down or reversed"
-    } else {
-        "the cloud is mirrored"
-    };
     let message = format!(
-        "`{}`: {fault}: it turns {:+.2} times as far as {}",
-        clouds.topic.topic, turned.gain, beside.name
-    );
-    let detail = format!(
-        "{} z points {}, so {} times is expected. Probable cause: {what}.",
-        if clouds.laser.is_some() {
-            "By its transform,"
-        } else {
-            "By the ground in the cloud,"
-        },
-        if is_up { "up" } else { "down" },
-        if is_up { "+1" } else { "-1" }
+        "`{}`: {fault}: {:+.2} times the turns of {reference}, expected {expected}",
+        clouds.topic.topic, turned.gain
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .detail(detail)
-        .related(beside.place.clone(), "compared with this")
+        .related(beside.place.clone(), "reference: compared with this rotation")
         .help(help);
+    let mounting = clouds.frame().filter(|_| clouds.laser.is_some());
+    let mounting = mounting.and_then(|frame| Some((mount(world, &frame)?.base, frame)));
+    let finding = match mounting {
+        Some((base, frame)) => with_mounting(world, [&base, &frame], finding),
+        None => finding,
+    };
     let finding = if relation == "mirrored" && sweeps_the_other_way(clouds, &world.limits::<sweep::Limits>()) {
-        finding.detail("The points sweep in the direction of a mirrored cloud, too.")
+        finding.detail("The points also sweep in the direction of a mirrored cloud.")
     } else if turn.is_loose(world, clouds) {
         finding.hint()
     } else {

@@ -118,15 +118,17 @@ fn judge_votes(
         return out.too_little(subject, why);
     };
     let [rms_turned, rms_mirrored] = votes.rms_m;
-    let only_rotated = Measured::new("residual if the track is only rotated", rms_turned, "m").samples(all as u64);
+    let only_rotated =
+        Measured::new("deviation from the GNSS track, only rotated (rms)", rms_turned, "m").samples(all as u64);
     let measured = [
         if is_mirrored {
             only_rotated.limit(limits.min_ratio * rms_mirrored)
         } else {
             only_rotated
         },
-        Measured::new("residual if it is also mirrored", rms_mirrored, "m").samples(all as u64),
-        Measured::new("share of the stretches that say the same", agreement, "1").at_least(limits.min_agreement),
+        Measured::new("deviation from the GNSS track, mirrored (rms)", rms_mirrored, "m").samples(all as u64),
+        Measured::new("share of the parts of the track with this result", agreement, "1")
+            .at_least(limits.min_agreement),
     ];
     if !is_mirrored {
         out.pass(subject, measured);
@@ -137,22 +139,24 @@ fn judge_votes(
         return out.fail(better(finding.measured(measured)));
     }
     let (from, to) = votes.span_s();
+    let (name, fix) = (poses.subject.trim_start_matches("topic "), &fixes.topic);
     let message = format!(
-        "{}: track is the mirror image of the GNSS track on `{}`",
-        poses.subject, fixes.topic
+        "{name}: track is the mirror image of the GNSS track on `{fix}` ({rms_turned:.2} m off, {rms_mirrored:.2} m if mirrored)"
     );
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation("mirrored")
         .detail(format!(
-            "Compared from {from:.0} to {to:.0} s. A track that is not mirrored leaves at most {} times the residual of the mirrored one.",
+            "Compared from {from:.0} to {to:.0} s of the recording. The limit is {} times the deviation of the mirrored track.",
             limits.min_ratio
         ))
         .related(fixes.place(), "GNSS track")
-        .help(
-            "find out which of the two tracks is wrong: odometry in NED becomes ENU as (y, x, -z); a mirrored odometry needs y negated; \
-             fixes may have latitude and longitude swapped",
-        );
+        .help(format!(
+            "plot both tracks on a map to see which track is mirrored, then correct that one:\n\
+             (1) {name} in NED (north, east, down): publish the position (x, y, z) as (y, x, -z), and the orientation in ENU\n\
+             (2) {name} with y to the right: negate y of the position\n\
+             (3) `{fix}` with latitude and longitude swapped: swap them back"
+        ));
     out.fail(better(poses.expressed_in.annotate(finding).measured(measured)));
 }
 
@@ -164,7 +168,7 @@ fn unexplained(
     (part, limit, windows): (f64, f64, usize),
 ) -> Finding {
     let message = format!(
-        "`{}`: track matches the GNSS track on `{}` neither rotated nor mirrored (residual {:.0} %)",
+        "`{}`: track has another shape than the GNSS track on `{}` (deviation of {:.0} % of the track's extent)",
         poses.topic,
         fixes.topic,
         100.0 * part
@@ -173,22 +177,18 @@ fn unexplained(
         .likely()
         .relation(UNEXPLAINED)
         .detail(format!(
-            "{windows} window(s) were fitted both ways, with a free scale factor and a constant heading drift; the residual is relative to the extent of \
-             the GNSS track."
+            "{windows} part(s) of the track were compared, rotated and mirrored, with a free scale factor and a constant drift of the heading: \
+             neither matches."
         ))
         .related(fixes.place(), "GNSS track")
         .unless(codes::TIME01)
         .unless(codes::TIME02)
         .unless(codes::TIME04)
-        .help("compare both tracks with a map: one of them has wrong positions or wrong timestamps");
+        .help("plot both tracks on a map, and correct the positions or the timestamps of the track that is wrong");
     finding.measured(
-        Measured::new(
-            "residual of the better fit over the extent of the GNSS track",
-            part,
-            "1",
-        )
-        .limit(limit)
-        .samples(windows as u64),
+        Measured::new("deviation of the better fit / extent of the GNSS track", part, "1")
+            .limit(limit)
+            .samples(windows as u64),
     )
 }
 
@@ -224,9 +224,10 @@ pub(crate) fn swapped<'t>(
     let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");
     let finding = finding
         .detail(format!(
-            "As published, the best fit, rotated or mirrored, leaves a residual of {as_published_m:.2} m."
+            "As published, the tracks deviate by {as_published_m:.2} m (rms) at best, rotated or mirrored."
         ))
         .related(poses.place(), "compared with this track")
-        .help("swap the two fields: NavSatFix has latitude first, while GeoJSON, KML and map shapefiles have longitude first");
-    Some(finding.measured(Measured::new("residual, swapped back", rms_m, "m").samples(all as u64)))
+        .help("swap latitude and longitude: NavSatFix has latitude first, while GeoJSON, KML and map shapefiles have longitude first");
+    let measured = Measured::new("deviation of the tracks, swapped back (rms)", rms_m, "m").samples(all as u64);
+    Some(finding.measured(measured))
 }

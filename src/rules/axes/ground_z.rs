@@ -188,17 +188,17 @@ fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Li
     let subject = clouds.subject("ground");
     let tolerance_m = limits.max_off_m.max(limits.sigmas * height.sigma_m);
     let measured = |off_m: f64| {
-        [
-            Measured::new("depth of the ground below its expected height", -off_m, "m")
-                .limit(tolerance_m)
-                .spread(height.sigma_m)
-                .samples(height.clouds),
-            Measured::new(
-                "height of the sensor above the ground, by the cloud",
-                height.sensor_m,
-                "m",
-            ),
-        ]
+        let depth = Measured::new("depth of the ground below its expected height", -off_m, "m")
+            .limit(tolerance_m)
+            .spread(height.sigma_m)
+            .samples(height.clouds);
+        // A cloud in the base does not show where its sensor is.
+        let sensor = Measured::new(
+            "height of the lidar above the ground, by its own cloud",
+            height.sensor_m,
+            "m",
+        );
+        [Some(depth), (!over.is_base).then_some(sensor)].into_iter().flatten()
     };
     let Some(expected_m) = over.expected_m else {
         // The height of a base above the ground is unknown, but it is not below the ground.
@@ -228,36 +228,50 @@ fn off(clouds: &Clouds, over: &LidarMount, height: &Height, expected_m: f64, lim
     let stated_m = over.sensor.z - expected_m;
     let near = |a: f64, b: f64| (a - b).abs() <= limits.class_off_m;
     let is_high = height.sensor_m > limits.min_height_m;
-    let class = if over.is_base && is_high && near(off_m, -stated_m) && stated_m > limits.min_height_m {
-        Some((
-            "not-applied",
+    let (base, sensor_m) = (&over.base, height.sensor_m);
+    let (relation, what, help) = if over.is_base && is_high && near(off_m, -stated_m) && stated_m > limits.min_height_m
+    {
+        (
+            Some("not-applied"),
             format!(
-                "the cloud names `{}` but is expressed in the axes of the lidar, so its extrinsic is not applied",
-                over.base
+                "the cloud names `{base}`, but is expressed in the axes of the lidar, which is {stated_m:.2} m above the ground by the transforms"
             ),
-        ))
+            format!(
+                "set the `frame_id` of the cloud to the frame of the lidar, or transform the points into `{base}` before they are published"
+            ),
+        )
     } else if is_high && stated_m.abs() <= limits.class_off_m {
-        Some((
-            "not-applied",
+        (
+            Some("not-applied"),
+            format!("the lidar is {sensor_m:.2} m above the ground, but its transform has no such height"),
+            format!("write the height of the lidar ({sensor_m:.2} m above the ground) into its mounting transform"),
+        )
+    } else if is_high && near(stated_m, -sensor_m) {
+        (
+            Some("z-sign"),
             format!(
-                "the lidar is {:.2} m above the ground, but its transform has no such height",
-                height.sensor_m
+                "the height of the mounting has the wrong sign: the lidar is {stated_m:.2} m above the ground by the transforms, {sensor_m:.2} m by its cloud"
             ),
-        ))
-    } else if is_high && near(stated_m, -height.sensor_m) {
-        Some(("z-sign", "the height of the mounting has the wrong sign".to_owned()))
-    } else if is_high && near(stated_m, 2.0 * height.sensor_m) {
-        Some((
-            "twice",
-            "the height of the mounting is applied twice, by the driver and by TF".to_owned(),
-        ))
+            "change the sign of z in the mounting transform of the lidar".to_owned(),
+        )
+    } else if is_high && near(stated_m, 2.0 * sensor_m) {
+        (
+            Some("twice"),
+            format!(
+                "the height of the mounting is applied twice: the lidar is {stated_m:.2} m above the ground by the transforms, {sensor_m:.2} m by its cloud"
+            ),
+            "apply the height of the mounting once: remove it from the driver or from the transforms".to_owned(),
+        )
     } else {
-        None
+        (
+            None,
+            "the height of the mounting, or of the base, is wrong".to_owned(),
+            format!(
+                "measure the height of the lidar above the ground ({sensor_m:.2} m by the cloud, {stated_m:.2} m by the transforms), and \
+                 correct its mounting transform or that of `base_footprint`"
+            ),
+        )
     };
-    let what = class.as_ref().map_or_else(
-        || "the height of the mounting, or of the base, is wrong".to_owned(),
-        |(_, what)| what.clone(),
-    );
     let message = format!(
         "`{}`: ground is {:.2} m too {} in `{}` (z = {:.2} m)",
         clouds.topic.topic,
@@ -266,13 +280,8 @@ fn off(clouds: &Clouds, over: &LidarMount, height: &Height, expected_m: f64, lim
         over.base,
         height.ground_m
     );
-    let help = format!(
-        "measure the height of the lidar above the ground ({:.2} m by its own cloud, {stated_m:.2} m by the transforms), and correct its \
-         mounting transform or that of `base_footprint`",
-        height.sensor_m
-    );
-    match class {
-        Some((relation, _)) => Finding::error(subject, message, clouds.place())
+    match relation {
+        Some(relation) => Finding::error(subject, message, clouds.place())
             .likely()
             .relation(relation),
         None if off_m.abs() > limits.likely_off_m => Finding::warning(subject, message, clouds.place()).likely(),
@@ -307,7 +316,7 @@ fn applied_already(
     let seen_m = median(&heights)?;
     ((seen_m - stated_m).abs() <= limits.class_off_m).then(|| {
         let message = format!(
-            "`{}`: extrinsic is applied twice (points in `{}` are already expressed in `{}`)",
+            "`{}`: mounting is applied twice (points in `{}` are already expressed in `{}`)",
             clouds.topic.topic,
             clouds
                 .frame()
@@ -317,21 +326,27 @@ fn applied_already(
         Finding::error(subject, message, clouds.place())
             .likely()
             .relation("twice")
-            .detail("As published, the ground is at the height that it has in the base, and not below the sensor by its mounting height; TF applies the extrinsic again.")
+            .detail(format!(
+                "The ground in the cloud is where it is in `{}`, not {stated_m:.2} m below the lidar. TF applies the mounting transform once more.",
+                over.base
+            ))
             .measured(
                 Measured::new(
-                    "height of the sensor above the ground, if the points are expressed in the base",
+                    "height of the lidar above the ground, if the points are expressed in the base",
                     seen_m,
                     "m",
                 )
                 .samples(grounds.len() as u64),
             )
             .measured(Measured::new(
-                "height of the sensor above the ground, by the transforms",
+                "height of the lidar above the ground, by the transforms",
                 stated_m,
                 "m",
             ))
-            .help("set the `frame_id` of the cloud to the base, or publish the points as the sensor measured them")
+            .help(format!(
+                "set the `frame_id` of the cloud to `{}`, or publish the points as the lidar measured them",
+                over.base
+            ))
     })
 }
 
@@ -402,13 +417,13 @@ fn judge_tilt(
         .likely()
         .relation("tilted")
         .detail(format!(
-            "The tilt stays throughout the recording: the mounting is missing a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg."
+            "The tilt stays throughout the recording. If the ground was level, the mounting is missing a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg."
         ))
         .measured(measured)
         .help(format!(
-            "if the ground was level, multiply the rotation of `{}_from_{}` from the left by a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg, \
-             and keep its translation; if not, or if the platform leaned, calibrate it",
-            over.base, lidar
+            "if ground and platform were level, rotate the mounting `{0}` -> `{lidar}` by a roll of {roll_deg:+.1} deg and a pitch of {pitch_deg:+.1} deg \
+             about the axes of `{0}`, and keep the translation; if not, calibrate the mounting",
+            over.base
         ));
     out.fail(with_mounting(world, [&over.base, &lidar], finding));
 }

@@ -28,24 +28,24 @@ fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &GyroFi
         ..
     } = turned.slope;
     let measured = [
-        Measured::new("yaw rate over turn rate of the course", slope, "1").samples(pairs as u64),
-        Measured::new("correlation", correlation, "1").at_least(limits.min_correlation),
-        Measured::new("t", turned.slope.t().abs(), "1").at_least(limits.min_t),
+        Measured::new("yaw rate / turn rate of the course", slope, "1").samples(pairs as u64),
+        Measured::new("strength of their correlation", correlation.abs(), "1").at_least(limits.min_correlation),
+        Measured::new("t statistic of their ratio", turned.slope.t().abs(), "1").at_least(limits.min_t),
     ];
     if turned.class == Sense::With {
         return out.pass(subject, measured);
     }
     let message = format!(
-        "`{}`: yaw rate is opposite to the turns of {} (gain {slope:+.2})",
+        "`{}`: yaw rate has the opposite sign to the turns of {} (ratio {slope:+.2})",
         imu.stream.topic, turned.track
     );
     let detail = format!(
-        "Compared over {:.0} s. Mounting: {}.",
+        "Compared for {:.0} s. Mounting: {}.",
         turned.slope.seconds(),
         imu.mounting()
     );
-    let otherwise = "negate y and z of a gyro in FRD axes, or correct the sensor's mounting in TF: counter-clockwise turns are positive \
-         about z up (REP-103)";
+    let otherwise = "negate y and z of the angular velocity if the gyro is in FRD axes, or correct the mounting transform: a turn to the left is \
+         positive about z up (REP-103)";
     let finding = explain(
         &sensor.diagnosis,
         imu,

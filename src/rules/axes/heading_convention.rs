@@ -126,17 +126,17 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limit
     let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let (what, help) = if near(90.0) {
         (
-            "the sensor is rotated to the left, which TF does not state",
+            "the sensor is mounted with a yaw of about +90 deg, and TF does not say so",
             "publish the transform from the base to the sensor with a yaw of about 90 deg",
         )
     } else if near(-90.0) {
         (
-            "the yaw is zero in the north, or y of the body points forward, or the sensor is rotated to the right, which TF does not state",
-            "look at the sensor: if it is rotated, add its yaw to TF; else add pi/2 to the published yaw (REP-103: zero in the east)",
+            "yaw is zero in the north, or the axes of the driver have y forward, or the sensor is mounted with a yaw of about -90 deg and TF does not say so",
+            "look at the sensor and its data sheet, and correct the cause that applies:\n(1) yaw is zero in the north: add pi/2 to it (REP-103: zero in the east)\n(2) y forward: set the driver to x forward\n(3) mounting: add a yaw of -90 deg to the transform from the base to the sensor",
         )
     } else if near(180.0) {
         (
-            "the sensor is mounted backwards, which TF does not state, or the platform drove in reverse",
+            "the sensor is mounted backwards and TF does not say so, or the platform drove in reverse",
             "publish the transform from the base to the sensor with a yaw of about 180 deg; nothing is wrong if this was a drive in reverse",
         )
     } else {
@@ -146,10 +146,10 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &HeadingFit, limits: &Limit
         )
     };
     let message = format!(
-        "`{}`: yaw is {offset:.0} deg from the course of {}",
+        "`{}`: yaw differs by {offset:.0} deg from the direction of travel of {}",
         imu.stream.topic, decided.track
     );
-    let detail = format!("Probably {what}. Mounting: {}.", imu.mounting());
+    let detail = format!("Probable cause: {what}. Mounting: {}.", imu.mounting());
     let finding = Finding::warning(subject, message, imu.stream.place()).detail(detail);
     // The zero is a guess, unless the user declares it, or it is 90 degrees within a degree in every direction.
     let is_quarter = imu.mount.is_some() && decided.is_a_quarter_turn(offset, limits);

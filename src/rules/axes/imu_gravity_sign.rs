@@ -25,7 +25,15 @@ fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &BaseUp, limits
         Measured::new("angle between the acceleration and z of the base", degrees, "deg")
             .limit(limits.warning_deg)
             .samples(up.rows),
-        Measured::new(if up.at_rest { "time at rest" } else { "time" }, up.seconds, "s"),
+        Measured::new(
+            if up.at_rest {
+                "time at rest"
+            } else {
+                "duration of the data"
+            },
+            up.seconds,
+            "s",
+        ),
     ];
     if up.class == Base::Up {
         return out.pass(subject, measured);

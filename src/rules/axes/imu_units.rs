@@ -116,7 +116,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         return out.too_little(subject, why);
     };
     let message = format!(
-        "`{}`: median acceleration is {force:.2} instead of 9.81 m/s2: {what}",
+        "`{}`: median acceleration is {force:.2} m/s2 instead of 9.81: {what}",
         imu.stream.topic
     );
     let place = imu.stream.place();

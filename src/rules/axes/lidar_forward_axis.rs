@@ -24,8 +24,8 @@ impl Rule for LidarForwardAxis {
 }
 
 /// The cause of a quarter turn.
-const OTHER_DRIVER: &str = "the mounting is for another driver or for the raw sensor (some drivers keep azimuth 0 on y, others rotate it \
-     to x)";
+const OTHER_DRIVER: &str =
+    "the transform was made for another driver (some drivers publish azimuth 0 along y, others along x)";
 
 fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("forward");
@@ -46,8 +46,11 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
     let (relation, what) = match quarters {
         Some(1) => ("z90", OTHER_DRIVER),
         Some(-1) => ("z-90", OTHER_DRIVER),
-        Some(2 | -2) => ("z180", "the sensor faces backwards"),
-        _ => ("yaw", "the mounting is rotated differently than its transform states"),
+        Some(2 | -2) => (
+            "z180",
+            "the transform is that of a sensor that faces forward, but this sensor faces backward",
+        ),
+        _ => ("yaw", "the transform states another yaw than the sensor has"),
     };
     let error_rad = (limits.pass_deg + 2.0 * yaw.error_deg).to_radians();
     let or = crate::analysis::cross::direction::doubt(
@@ -68,11 +71,17 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         format!("{missing_deg:+.1} deg")
     };
     let message = format!(
-        "`{}_from_{}` is missing a yaw of {missing}, by the scans on `{}`",
+        "`{}` -> `{}` is missing a yaw of {missing}, by the scans on `{}`",
         known.body, known.lidar, clouds.topic.topic
     );
+    let side = if relation == "z180" {
+        "opposite to".to_owned()
+    } else {
+        let side = if yaw.off_deg > 0.0 { "right" } else { "left" };
+        format!("{off_deg:.0} deg to the {side} of")
+    };
     let detail = format!(
-        "The scans move in another direction than {}. Probable cause: {what}{or}.",
+        "With this transform, the scans show a motion {side} that of {}. Probable cause: {what}{or}.",
         known.poses.0
     );
     let finding = if off_deg > limits.error_deg {
@@ -86,9 +95,9 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         .detail(detail)
         .related(known.poses.1.clone(), "compared with this motion")
         .help(format!(
-            "rotate the mounting by {missing} about z of `{}`: multiply its rotation from the left, and keep its translation; the yaw {stated_deg:.1} deg \
-             becomes {:.1} deg",
+            "change the yaw of `{}` -> `{}` from {stated_deg:.1} deg to {:.1} deg, and keep roll, pitch and translation",
             known.body,
+            known.lidar,
             difference(stated_deg.to_radians() + missing_deg.to_radians(), 0.0).to_degrees()
         ))
         .unless(codes::CROSS04);

@@ -39,12 +39,12 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
             .limit(limits.warning_deg)
             .samples(gravity.rows),
         Measured::new(
-            "agreement of the directions (1: always the same)",
+            "constancy of the direction of gravity (1: constant)",
             gravity.concentration,
             "1",
         )
         .at_least(limits.min_concentration),
-        Measured::new("time", gravity.seconds, "s"),
+        Measured::new("duration of the data that were used", gravity.seconds, "s"),
     ];
     if degrees <= limits.warning_deg {
         out.pass(subject, measured);
@@ -84,13 +84,13 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     if !gravity.turns_with && !is_small {
         doubt.push_str(
             " Instead, the orientation may be expressed in other body axes, or with w first: the recording has too little rotation to \
-             compare it with the gyro.",
+             compare the orientation with the gyro.",
         );
     }
-    let message = format!("`{}`: up is {degrees:.0} deg from its z axis{kind}", frame.name);
+    let message = format!("`{}`: z is {degrees:.0} deg from up{kind}", frame.name);
     let detail = format!(
-        "By the acceleration of {}, rotated by {}, up is ({:+.2}, {:+.2}, {:+.2}) in this frame.{doubt}",
-        gravity.sensor, frame.stream, gravity.up.x, gravity.up.y, gravity.up.z
+        "By the acceleration of {} and the orientation of {}, up is ({:+.2}, {:+.2}, {:+.2}) in `{}`.{doubt}",
+        gravity.sensor, frame.stream, gravity.up.x, gravity.up.y, gravity.up.z, frame.name
     );
     let finding = Finding::new(severity, subject, message, frame.place.clone())
         .likely()
@@ -125,12 +125,12 @@ fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'
         let help = "rename the frame without `ned`, or convert its poses to NED: the data have z up";
         ("z-up", " (z up, while NED has z down)", help)
     } else if near(0.0, 0.0, -1.0) {
-        let help = "convert the poses from NED to ENU: position (y, x, -z), rotation multiplied from the left by [0 1 0; 1 0 0; 0 0 -1], and, only if the \
-                    body is FRD, from the right by diag(1, -1, -1); or name the frame `..._ned`: REP-103 requires z up";
+        let help = "convert the poses from NED to ENU, or name the frame `..._ned` (REP-103 requires z up):\nposition (x, y, z) -> (y, x, -z)\nrotation \
+                    R -> P R with P = [0 1 0; 1 0 0; 0 0 -1]; if the body is forward, right, down, R -> P R diag(1, -1, -1)";
         ("z-down", " (z down, as in NED)", help)
     } else if near(0.0, -1.0, 0.0) {
-        let help = "name this frame `camera_map` and publish a level `map` above it: `map_from_camera_map` is RPY(-90, 0, -90) deg, then \
-                    levelled by gravity";
+        let help = "rename this frame to `camera_map`, and publish `map` -> `camera_map` with RPY(-90, 0, -90) deg, corrected so that gravity points \
+                    along -z of `map`";
         ("optical", " (y down, as in a camera's optical frame)", help)
     } else if near(0.0, 1.0, 0.0) {
         (
@@ -156,15 +156,20 @@ fn judge_heights(
     out: &mut Judge,
 ) {
     let measured = [
-        Measured::new("change of z over change of the altitude", heights.slope, "1").samples(heights.points as u64),
-        Measured::new("correlation", heights.correlation, "1").at_least(limits.min_correlation),
-        Measured::new("rms of the altitude", heights.rms_m[0], "m").at_least(limits.min_rms_m),
+        Measured::new("change of z / change of the altitude", heights.slope, "1").samples(heights.points as u64),
+        Measured::new(
+            "correlation of z and altitude, without sign",
+            heights.correlation.abs(),
+            "1",
+        )
+        .at_least(limits.min_correlation),
+        Measured::new("variation of the altitude (rms)", heights.rms_m[0], "m").at_least(limits.min_rms_m),
     ];
     if heights.slope > 0.0 {
         return out.pass(subject, measured);
     }
     let message = format!(
-        "`{}`: z falls when the altitude rises ({:+.2} times)",
+        "`{}`: z falls when the altitude rises ({:+.2} m per metre)",
         frame.name, heights.slope
     );
     let finding = Finding::error(subject, message, frame.place.clone())
@@ -174,7 +179,7 @@ fn judge_heights(
             frame.stream, heights.receiver
         ))
         .relation("z-down")
-        .help("negate z, or convert the positions from NED as (y, x, -z): z points up (REP-103)");
+        .help("publish z up (REP-103):\n(1) if the positions are NED, convert (x, y, z) to (y, x, -z)\n(2) if only z is wrong, negate z");
     let finding = cause.into_iter().fold(finding, Finding::same_cause_as);
     out.fail(by_name(frame, finding).measured(measured));
 }

@@ -63,12 +63,34 @@ fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Read
     (best.1 <= limits.max_residual && of_twist.first()?.1 > limits.max_residual && is_clear).then_some((best, second))
 }
 
-/// The residual with the velocity read in this way.
-fn residual(twists: &Twists, (reading, residual): &(Reading, f64), limits: &Limits) -> Measured {
-    let what = format!("residual if the velocity is read as {}", reading.word());
-    Measured::new(what, *residual, "1")
-        .limit(limits.max_residual)
-        .samples(twists.windows)
+/// The residual with the velocity or the pose read in this way.
+fn residual(twists: &Twists, (reading, residual): &(Reading, f64)) -> Measured {
+    let read = if reading.is_of_pose() { "pose" } else { "velocity" };
+    let what = format!("unexplained share of the motion, {read} read as {}", reading.word());
+    Measured::new(what, *residual, "1").samples(twists.windows)
+}
+
+/// What is measured where one reading explains the motion, and the next best one does not.
+fn measured(twists: &Twists, best: &(Reading, f64), second: &(Reading, f64), limits: &Limits) -> [Measured; 4] {
+    let as_defined = twists.residual(Reading::Body);
+    [
+        Measured::new("unexplained share of the motion, as published", as_defined, "1"),
+        residual(twists, best).limit(limits.max_residual),
+        residual(twists, second),
+        Measured::new("distance that the pose moves", twists.distance_m, "m"),
+    ]
+}
+
+/// The names of the frames in a headline: the header's, and the child.
+fn frames(stream: &Stream<PoseRow>) -> [String; 2] {
+    [
+        (&stream.frame, "the header's frame"),
+        (&stream.child, "the child frame"),
+    ]
+    .map(|(frame, unnamed)| {
+        let name = frame.as_ref().map(|name| format!("`{name}`"));
+        name.unwrap_or_else(|| unnamed.to_owned())
+    })
 }
 
 fn fail_pose(
@@ -79,23 +101,20 @@ fn fail_pose(
     limits: &Limits,
     out: &mut Judge,
 ) {
-    let as_defined = twists.residual(Reading::Body);
     // In a plane, a mirrored position is also one rotated about a horizontal axis: z of the orientation distinguishes the two.
     let (words, word, help) = if twists.is_upside_down && best.0 != Reading::Inverse {
         (
-            "orientation has z down, while the position has z up",
+            "orientation has z down, while the position has z up".to_owned(),
             "z-down",
             "express position and orientation in the same world: `R_enu = P * R_ned` (P: NED to ENU), position (y, x, -z)",
         )
     } else {
-        (best.0.words(), best.0.word(), best.0.help())
+        (best.0.words(&frames(stream)), best.0.word(), best.0.help())
     };
     let message = format!("`{}`: {words}", stream.topic);
-    let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(format!(
-        "As published, {:.0} % of the pose's motion contradicts the velocity; corrected, {:.1} %. No other reading of the velocity explains it.",
-        100.0 * as_defined,
-        100.0 * best.1
-    ));
+    let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(
+        "Corrected, the pose moves as the velocity says. As published, no reading of the velocity explains the motion of the pose.",
+    );
     out.fail(
         stream
             .expressed_in
@@ -103,9 +122,7 @@ fn fail_pose(
             .likely()
             .relation(word)
             .help(help)
-            .measured([&best, &second].map(|reading| residual(twists, reading, limits)))
-            .measured(Measured::new("residual as published", as_defined, "1"))
-            .measured(Measured::new("distance", twists.distance_m, "m")),
+            .measured(measured(twists, &best, &second, limits)),
     );
 }
 
@@ -162,28 +179,17 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         }
         return out.pass(
             &subject,
-            [best, second].map(|reading| residual(twists, reading, limits)),
+            [best, second].map(|reading| residual(twists, reading).limit(limits.max_residual)),
         );
     }
-    let as_defined = twists.residual(Reading::Body);
-    let child = stream
-        .child
-        .as_ref()
-        .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
-    let message = format!(
-        "`{}`: velocity {} {child} (residual {:.0} %)",
-        stream.topic,
-        best.0.words(),
-        100.0 * as_defined
-    );
+    let message = format!("`{}`: {}", stream.topic, best.0.words(&frames(stream)));
     let also = match best.0 {
-        Reading::Backwards => "the orientation is rotated by 180 deg about z relative to the position, or ",
-        Reading::Swapped => "the orientation is rotated by 90 deg about z relative to the position, or ",
+        Reading::Backwards => ", for example the yaw by 180 deg",
+        Reading::Swapped => ", for example the yaw by 90 deg",
         _ => "",
     };
     let detail = format!(
-        "The residual is the part of the pose's motion that the velocity does not explain. It is also possible that the velocity is right, and \
-         {also}the position or the orientation beside it is wrong."
+        "Corrected, the velocity explains the motion of the pose. Instead, the position or the orientation of the pose may be wrong{also}."
     );
     out.fail(
         stream
@@ -192,9 +198,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             .likely()
             .relation(best.0.word())
             .help(best.0.help())
-            .measured([best, second].map(|reading| residual(twists, reading, limits)))
-            .measured(Measured::new("residual as published", as_defined, "1"))
-            .measured(Measured::new("distance", twists.distance_m, "m")),
+            .measured(measured(twists, best, second, limits)),
     );
 }
 
@@ -205,16 +209,17 @@ fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &L
         .iter()
         .find(|(factor, _)| (times / factor - 1.0).abs() <= limits.max_residual / 10.0);
     let message = format!(
-        "`{}`: velocity is {times:.4} times that of its own pose{}",
+        "`{}`: velocity is {times:.4} times that of the pose{}",
         stream.topic,
         unit.map_or_else(String::new, |(_, word)| format!(": the unit is probably {word}"))
     );
     let detail = format!(
-        "The direction is correct: divided by this factor, the velocity leaves {:.1} % of the pose's motion unexplained.",
+        "The direction is right: divided by {times:.4}, the velocity explains the motion of the pose except for {:.1} %.",
         100.0 * left
     );
+    let as_defined = twists.residual(Reading::Body);
     let residual =
-        Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
+        Measured::new("unexplained share of the motion, as published", as_defined, "1").limit(limits.max_residual);
     let finding = Finding::error(subject, message, stream.place())
         .likely()
         .detail(detail)
@@ -222,10 +227,13 @@ fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &L
     stream
         .expressed_in
         .annotate(finding)
-        .help("publish the velocity in m/s (REP-103); or, if a known distance shows that the position is not in metres, correct its unit")
-        .measured(Measured::new("velocity over that of the pose", times, "1").samples(twists.windows))
+        .help(format!(
+            "compare the position with a known distance:\n(1) if the position is in metres, divide the velocity by {times:.4} to publish \
+             m/s (REP-103)\n(2) if the position is not in metres, convert the position to metres"
+        ))
+        .measured(Measured::new("velocity / velocity of the pose", times, "1").samples(twists.windows))
         .measured(residual)
-        .measured(Measured::new("distance", twists.distance_m, "m"))
+        .measured(Measured::new("distance that the pose moves", twists.distance_m, "m"))
 }
 
 /// Whether the motion rules out an inverted orientation.
@@ -251,7 +259,7 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
         let why = "the yaw rate is zero in every message although the pose rotates: it is not filled in";
         return out.missing(&subject, why);
     }
-    let measured = Measured::new("yaw rate over that of the pose", turning.slope, "1").samples(turning.windows);
+    let measured = Measured::new("yaw rate / rotation rate of the pose", turning.slope, "1").samples(turning.windows);
     let near = |value: f64| (turning.slope / value - 1.0).abs() <= limits.turn_agrees;
     if near(1.0) {
         out.pass(&subject, [measured]);
@@ -272,27 +280,27 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
             (
                 "has the opposite sign",
                 "",
-                "publish the yaw rate positive for counter-clockwise turns about z up (REP-103)",
+                "negate the yaw rate: counter-clockwise turns about z up are positive (REP-103)",
             )
         } else if near(-1.0) {
             (
                 "has the opposite sign",
-                "Instead, the yaw of the orientation may increase clockwise, as that of an inverted orientation or of a compass heading; \
-                 these data cannot distinguish the causes.",
-                "publish the yaw rate positive for counter-clockwise turns about z up (REP-103); or, if the orientation is wrong, \
-                 conjugate the quaternion (inverted) or publish `yaw_ros = pi/2 - heading` (compass heading)",
+                "Instead, the yaw of the orientation may increase clockwise: an inverted orientation, or a compass heading. These data \
+                 cannot distinguish the causes.",
+                "turn to the left:\n(1) if the yaw of the pose increases, negate the yaw rate (REP-103)\n(2) if the yaw of the pose \
+                 decreases, conjugate the quaternion (inverted orientation) or publish `yaw_ros = pi/2 - heading` (compass heading)",
             )
         } else if near(1f64.to_degrees()) {
-            ("is in deg/s", "", "publish the yaw rate in rad/s (REP-103)")
+            ("is in deg/s", "", "multiply the yaw rate by pi / 180: rad/s (REP-103)")
         } else {
             (
                 "does not match",
-                "Instead, the orientation beside it may be wrong.",
+                "Instead, the orientation of the pose may be wrong.",
                 "publish the yaw rate in rad/s about the child frame's z axis (REP-103)",
             )
         };
         let message = format!(
-            "`{}`: yaw rate {words} ({:.2} times that of its own pose)",
+            "`{}`: yaw rate {words} ({:.2} times that of the pose)",
             stream.topic, turning.slope
         );
         let finding = stream
@@ -300,8 +308,8 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
             .annotate(Finding::error(&subject, message, stream.place()).detail(detail))
             .likely()
             .help(help)
-            .measured(measured.limit(limits.turn_agrees))
-            .measured(Measured::new("rotation", turned_deg, "deg"));
+            .measured(measured.expected(1.0))
+            .measured(Measured::new("rotation of the pose that was used", turned_deg, "deg"));
         out.fail(cause.into_iter().fold(finding, Finding::same_cause_as));
     }
 }

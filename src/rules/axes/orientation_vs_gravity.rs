@@ -30,37 +30,34 @@ fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &WorldUp,
             .limit(limits.max_tilt_deg)
             .samples(rows),
         Measured::new(
-            "agreement of the directions (1: always the same)",
+            "steadiness of its direction (1: always the same)",
             above.force.concentration,
             "1",
         )
         .at_least(limits.min_concentration)
         .samples(rows),
-        Measured::new("time", above.seconds, "s"),
+        Measured::new("duration of the data", above.seconds, "s"),
     ];
     if above.class == World::Up {
         return out.pass(subject, measured);
     }
     let along_z = above.force.mean_m_s2.z;
     let (severity, what) = match above.class {
-        World::Down => (
-            Severity::Error,
-            format!("points down ({along_z:+.2} m/s2 along world z)"),
-        ),
+        World::Down => (Severity::Error, format!("points down (z {along_z:+.2} m/s2)")),
         World::Far => (Severity::Error, format!("is {degrees:.0} deg from up on average")),
         _ => (Severity::Warning, format!("is steadily {degrees:.1} deg from up")),
     };
     let message = format!(
-        "`{}`: rotated by its orientation, the acceleration {what}",
+        "`{}`: acceleration, rotated into the world by the orientation, {what}",
         imu.stream.topic
     );
     let detail = match above.class {
-        World::Down => "In a world with z up it is +9.81 m/s2 along z.".to_owned(),
+        World::Down => "Along z of the world, which is up, +9.81 m/s2 is expected.".to_owned(),
         World::Far => format!(
-            "It is {along_z:+.2} m/s2 along world z; a healthy mean stays within a few degrees of up. {}",
+            "It is {along_z:+.2} m/s2 along z of the world; a healthy mean stays within a few degrees of up. {}",
             other_readings(above)
         ),
-        _ => format!("It is {along_z:+.2} m/s2 along world z."),
+        _ => format!("It is {along_z:+.2} m/s2 along z of the world."),
     };
     let otherwise = "look at the raw acceleration at rest and level. If it is about -9.81 m/s2 along z, the driver publishes gravity or axes with z down: \
          negate it, or convert FRD to FLU. If it is +9.81 m/s2, the orientation is wrong: convert it from NED to ENU, or check the filter that computes it";

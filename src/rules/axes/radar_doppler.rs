@@ -170,21 +170,21 @@ fn judge_still(
     }
     let subject = subject(radar);
     let message = format!(
-        "`{}` on {} is already ego-compensated ({fitted:.2} m/s at a speed of {speed:.1} m/s)",
-        radar.evidence.field,
-        radar.said.subject()
+        "{}: `{}` is already ego-compensated ({fitted:.2} m/s at a speed of {speed:.1} m/s)",
+        topic(radar),
+        radar.evidence.field
     );
     let finding = Finding::warning(subject, message, radar.place())
         .confidence(confidence(radar))
         .relation("ego-compensated")
-        .detail(format!("Most detections agree on this velocity; the speed is by {}.", way.subject))
+        .detail(format!("Most detections show that velocity of the radar. The speed of the platform is by {}.", way.subject))
         .related(way.place.clone(), "compared with this motion")
-        .measured(Measured::new("velocity by the rates", fitted, "m/s").limit(limits.still * speed).samples(agreed.len() as u64))
-        .measured(Measured::new("speed", speed, "m/s").at_least(limits.min_speed_m_s))
-        .measured(Measured::new("share of the detections that agree", share, "1").at_least(limits.min_share))
-        .measured(Measured::new("share with the rates of static objects", as_expected, "1").limit(limits.max_as_expected))
+        .measured(Measured::new("velocity of the radar by the rates", fitted, "m/s").limit(limits.still * speed).samples(agreed.len() as u64))
+        .measured(Measured::new("speed of the platform", speed, "m/s").at_least(limits.min_speed_m_s))
+        .measured(Measured::new("share of the detections that agree on the velocity", share, "1").at_least(limits.min_share))
+        .measured(Measured::new("share of the detections with the rates of static objects", as_expected, "1").limit(limits.max_as_expected))
         .help(
-            "publish the measured range rate, and the compensated one in its own field: a consumer that compensates again sees static \
+            "publish the measured range rate, and the compensated rate in a field of its own: a consumer that compensates again sees static \
              objects move",
         );
     out.fail(finding);
@@ -320,26 +320,27 @@ fn judge_seen(
 
 /// The rates are positive for approaching objects.
 fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure: bool, limits: &Limits) -> Finding {
-    let name = format!("`{}` on {}", radar.evidence.field, radar.said.subject());
-    let (relation, message, detail) = if is_sure {
+    const NEGATE: &str = "publish range rates that are negative for approaching objects (v_r = -v . d for static ones), or configure the \
+                          sign of this driver in every consumer";
+    let (name, mounting) = (topic(radar), format!("`{}` -> `{}`", way.body, way.radar));
+    let (relation, message, detail, help) = if is_sure {
         (
             "doppler-sign",
-            format!(
-                "{} has the wrong sign: positive for approaching objects",
-                radar.said.subject()
-            ),
-            "Detections are found again in later scans where the opposite sign puts them.".to_owned(),
+            format!("{name}: range rates have the wrong sign (positive when approaching)"),
+            "Detections are found again in later scans where rates of the opposite sign predict them.".to_owned(),
+            NEGATE.to_owned(),
         )
     } else {
         (
             "doppler-sign-or-half-turn",
+            format!("{name}: wrong sign of the range rates, or {mounting} is missing a yaw of 180 deg"),
             format!(
-                "{name}: wrong sign, or `{}_from_{}` is missing a yaw of 180 deg",
-                way.body, way.radar
+                "By the rates the radar moves backward while {} moves forward. The detections cannot distinguish the two causes.",
+                way.subject
             ),
             format!(
-                "By the rates the radar moves backward while {} moves forward; the detections cannot distinguish the two causes.",
-                way.subject
+                "look at the range rate of an object that the radar approaches, then:\n(1) if positive, {NEGATE}\n\
+                 (2) if negative, add 180 deg to the yaw of {mounting}"
             ),
         )
     };
@@ -348,10 +349,7 @@ fn reversed(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, is_sure
         .relation(relation)
         .detail(detail)
         .related(way.place.clone(), "compared with this motion")
-        .help(
-            "publish range rates that are negative for approaching objects (v_r = -v . d for static ones), or configure the sign of this \
-             driver in every consumer",
-        )
+        .help(help)
         .measured(measured(seen, seen.off_rad, limits))
 }
 
@@ -364,19 +362,29 @@ fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: 
     // A reversed azimuth mirrors the direction of motion at the axis of the radar.
     let mirrored = difference(off_rad, 2.0 * stated_yaw).abs().to_degrees() <= limits.half_turn_deg
         && stated_yaw.abs().to_degrees() > limits.half_turn_deg / 2.0;
-    let also = if mirrored {
-        " Instead, its azimuths may count clockwise, which rotates the direction by twice the mounting's yaw."
+    let mounting = format!("`{}` -> `{}`", way.body, way.radar);
+    let add = format!(
+        "add {lacks_deg:+.1} deg to the yaw of {mounting} (about z of `{}`), and keep the translation",
+        way.body
+    );
+    let (also, help) = if mirrored {
+        (
+            " Alternatively, the azimuths of the radar may count clockwise: that rotates the direction by twice the yaw of the mounting.",
+            format!(
+                "check how the azimuths of the radar count, seen from above, then:\n(1) if counter-clockwise, {add}\n\
+                 (2) if clockwise, negate the azimuths"
+            ),
+        )
     } else {
-        ""
+        ("", add)
     };
     let message = format!(
-        "`{}_from_{}` is off by a yaw of {lacks_deg:+.1} deg, by the range rates of {}",
-        way.body,
-        way.radar,
-        radar.said.subject()
+        "{mounting} is missing a yaw of {lacks_deg:+.1} deg, by the range rates of {}",
+        topic(radar)
     );
     let detail = format!(
-        "The range rates of static objects give another direction of motion than {} has.{also}",
+        "By the range rates of static objects, the direction of motion is rotated by {off_deg:+.1} deg from that of {}. The mounting needs the opposite \
+         rotation.{also}",
         way.subject
     );
     let finding = if off_deg.abs() > limits.error_deg {
@@ -389,10 +397,7 @@ fn turned(radar: &Radar, way: &MotionSource, seen: &DirectionEstimate, off_rad: 
         .relation("mount-yaw")
         .detail(detail)
         .related(way.place.clone(), "compared with this motion")
-        .help(format!(
-            "rotate the mounting by {lacks_deg:+.1} deg about z of `{}`: multiply its rotation from the left, and keep its translation",
-            way.body
-        ))
+        .help(help)
         .measured(measured(seen, off_rad, limits))
 }
 
@@ -401,28 +406,40 @@ fn measured(seen: &DirectionEstimate, off_rad: f64, limits: &Limits) -> Vec<Meas
     let [same, other] = seen.found;
     vec![
         Measured::new(
-            "yaw between the direction of motion by the rates and by the platform",
+            "direction of motion by the rates, minus that of the platform",
             off_rad.to_degrees(),
             "deg",
         )
         .limit(limits.pass_deg)
         .spread(seen.error_rad.to_degrees())
         .samples(seen.scans as u64),
-        Measured::new("agreement of the directions", seen.resultant, "1").at_least(limits.min_resultant),
-        Measured::new("speed by the rates over that of the platform", seen.scale, "1"),
-        Measured::new("share of the detections that agree", seen.share, "1").at_least(limits.min_share),
         Measured::new(
-            "largest velocity added by rotation (yaw rate times lever arm)",
+            "steadiness of that difference (1: always the same)",
+            seen.resultant,
+            "1",
+        )
+        .at_least(limits.min_resultant),
+        Measured::new("speed by the rates / speed of the platform", seen.scale, "1"),
+        Measured::new("share of the detections that agree on the velocity", seen.share, "1").at_least(limits.min_share),
+        Measured::new(
+            "largest velocity of the radar by yaw rate and lever arm",
             lever_m_s,
             "m/s",
         ),
-        Measured::new("largest change of direction by that", lever_rad.to_degrees(), "deg"),
-        Measured::count(
-            "detections that are where the rates predict them, sign as published",
-            same,
+        Measured::new(
+            "largest change of direction by yaw rate and lever arm",
+            lever_rad.to_degrees(),
+            "deg",
         ),
-        Measured::count("detections that are where the rates predict them, opposite sign", other),
+        Measured::count("detections found where the rates as published predict them", same),
+        Measured::count("detections found where rates of the opposite sign predict them", other),
     ]
+}
+
+/// The name of its topic in messages.
+fn topic(radar: &Radar) -> String {
+    let subject = radar.said.subject();
+    subject.trim_start_matches("topic ").to_owned()
 }
 
 fn confidence(radar: &Radar) -> Confidence {

@@ -90,13 +90,13 @@ fn judge_side(
         )
         .limit(limits.max_off_deg),
         Measured::new(
-            "score of the ground there: cells on it, less those with points below",
+            "cells of the ground on the opposite side, less cells with points below",
             least.score,
             "1",
         )
         .at_least(min_score)
         .samples(of_side().count() as u64),
-        Measured::new("score of the next best side", next, "1"),
+        Measured::new("the same number for the next best side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
@@ -116,14 +116,17 @@ fn judge_side(
     let but = match (&mount, &frame) {
         (Some(mount), _) if mount.is_base => format!("but `{}` is a base with z up", mount.base),
         (Some(mount), Some(frame)) => {
-            format!("but `{}_from_{frame}` puts {word} {off_deg:.0} deg from up", mount.base)
+            format!("but is {off_deg:.0} deg from up by `{}_from_{frame}`", mount.base)
         }
         _ => match &against {
             Some(who) => format!("but by gravity of {who} it points down"),
             None => "not z".to_owned(),
         },
     };
-    let message = format!("`{}`: by the ground in it {word} points up, {but}", clouds.topic.topic);
+    let message = format!(
+        "`{}`: {word} points up by the ground in the cloud, {but}",
+        clouds.topic.topic
+    );
     let is_known = mount.is_some() || against.is_some();
     let untied = if is_known {
         ""

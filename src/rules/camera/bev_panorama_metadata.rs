@@ -44,7 +44,8 @@ fn judge_message(bag: &BagEvidence, topic: &TopicEvidence, grid: &GridAt, limits
         ];
         return out.pass(subject, measured);
     }
-    for fault in faults {
+    for mut fault in faults {
+        fault.message = format!("`{}`: {}", topic.topic, fault.message);
         out.fail(fault.finding(&subject, place.clone()));
     }
 }
@@ -102,13 +103,8 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
         faults.push(Fault::new(
             "size",
             format!("the panorama has {width} x {height} pixels, but 360 x 180 deg require a ratio of 2:1"),
-            "declare the field of view that it shows, or check whether it was cropped or resized in one direction",
-            Measured::new(
-                "width over height",
-                f64::from(*width) / f64::from((*height).max(1)),
-                "1",
-            )
-            .limit(2.0),
+            "declare the field of view of the images, or publish images that were not cropped or stretched",
+            Measured::new("width / height", f64::from(*width) / f64::from((*height).max(1)), "1").limit(2.0),
         ));
     }
     let other = declared.and_then(|declared| {
@@ -140,12 +136,7 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
                 "neither its size nor the topic of its images is declared: declare one of them",
             );
         };
-        let ratio = Measured::new(
-            "width over height",
-            f64::from(*width) / f64::from((*height).max(1)),
-            "1",
-        )
-        .limit(2.0);
+        let ratio = Measured::new("width / height", f64::from(*width) / f64::from((*height).max(1)), "1").limit(2.0);
         return out.pass(
             subject,
             [ratio, Measured::count("kinds of images compared", images.len())],

@@ -192,10 +192,10 @@ fn judge_claim(
     let (as_read, inverse) = (off(stated), off(&stated.inverse()));
     let fits = |(off_m, off_deg): (f64, f64)| off_m <= limits.off_m && off_deg <= limits.off_deg;
     let measured = [
-        Measured::new("translation difference as read", as_read.0, "m").limit(limits.off_m),
-        Measured::new("rotation difference as read", as_read.1, "deg").limit(limits.off_deg),
-        Measured::new("translation difference inverted", inverse.0, "m").limit(limits.off_m),
-        Measured::new("rotation difference inverted", inverse.1, "deg").limit(limits.off_deg),
+        Measured::new("translation difference as written", as_read.0, "m").limit(limits.off_m),
+        Measured::new("rotation difference as written", as_read.1, "deg").limit(limits.off_deg),
+        Measured::new("translation difference after inversion", inverse.0, "m").limit(limits.off_m),
+        Measured::new("rotation difference after inversion", inverse.1, "deg").limit(limits.off_deg),
     ];
     let pair = format!("`{of_target}` from `{of_source}`");
     match (fits(as_read), fits(inverse)) {
@@ -222,8 +222,8 @@ fn judge_claim(
         }
         (false, true) => {
             let message = format!(
-                "`{}` is inverted: it is the transform `{source}` from `{target}`",
-                claim.label
+                "`{}` is inverted: takes points from `{target}` to `{source}` ({:.2} m and {:.0} deg off)",
+                claim.label, as_read.0, as_read.1
             );
             let finding = Finding::warning(subject, message, claim.place.clone())
                 .confidence(claim.reading.min(Confidence::Likely))
@@ -231,10 +231,12 @@ fn judge_claim(
                 .unless_relation(codes::CROSS02)
                 .unless_relation(codes::CROSS07)
                 .detail(format!(
-                    "Compared with {pair} of the robot: {:.2} m and {:.0} deg off as read, {:.2} m and {:.1} deg inverted.",
-                    as_read.0, as_read.1, inverse.0, inverse.1
+                    "By URDF and TF of the robot, `{of_target}` -> `{of_source}` is {:.2} m and {:.1} deg from the inverse of the matrix.",
+                    inverse.0, inverse.1
                 ))
-                .help("invert the matrix, or give it a name of the opposite direction. With p_camera = R p + t the camera is at -R^T t");
+                .help(format!(
+                    "invert the matrix, so that points are taken from `{source}` to `{target}`; or exchange the names of the two frames"
+                ));
             out.fail(finding.measured(measured));
         }
     }

@@ -94,7 +94,7 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
     let measured = |reach: Reach| match reach {
         Reach::Whole { angle_rad } => Measured::new(format!("view angle at the {what}"), angle_rad.to_degrees(), "deg"),
         Reach::Folds { radius, .. } => Measured::new(
-            format!("radius where it folds over that of the {what}"),
+            format!("radius of the fold / radius of the {what}"),
             radius / border,
             "1",
         )
@@ -104,15 +104,19 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
         && radius < limits.least_reach * border
     {
         let message = format!(
-            "the distortion {whose} folds back at {:.1} deg, {:.0} % of the way to the {what}",
+            "distortion {whose} folds back {:.1} deg from the axis, {:.0} % of the way to the {what}",
             angle_rad.to_degrees(),
             100.0 * radius / border
         );
+        let help = format!(
+            "calibrate again with the board in the corners of the image too, or with a model for wider angles; until then drop points beyond \
+             {:.1} deg",
+            angle_rad.to_degrees()
+        );
         let finding = Finding::warning(subject, message, published.place.clone())
             .likely()
-            .detail("Points further out are projected back into the image.")
+            .detail("Points farther from the axis are projected back into the image.")
             .relation("folds");
-        let help = "calibrate with the board in the corners as well, or with a model for wider angles; until then drop points beyond this angle";
         return out.fail(finding.measured(measured(reach)).help(help));
     }
     if tangential > limits.tangential {
@@ -152,12 +156,12 @@ fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &m
 
 fn too_wide(published: &Intrinsics, subject: String, view_deg: f64, limits: &Limits) -> Finding {
     let message = format!(
-        "the model {} is plumb_bob for a view of {view_deg:.0} deg, which is too wide for it",
+        "the model {} is plumb_bob, but a view of {view_deg:.0} deg is too wide for plumb_bob",
         published.whose
     );
     Finding::warning(subject, message, published.place.clone())
         .likely()
-        .detail("Its polynomial of the tangent is not constrained at such angles.")
+        .detail("The polynomial of plumb_bob is in the tangent of the angle, and is not constrained at such angles.")
         .relation("wide")
         .measured(Measured::new("horizontal field of view", view_deg, "deg").limit(limits.wide_deg))
         .help("calibrate with the model rational_polynomial or equidistant")
@@ -194,10 +198,12 @@ fn miscounted(published: &Intrinsics, subject: String, counts: &[usize]) -> Find
         several.join(" or "),
         d.len()
     );
-    let detail = other.map_or(String::new(), |other| format!("The model {other} has so many."));
+    let detail = other.map_or(String::new(), |other| {
+        format!("The model {other} has that many coefficients.")
+    });
     Finding::error(subject, message, published.place.clone())
         .detail(detail)
         .relation("count")
         .measured(Measured::count("coefficients", d.len()))
-        .help("write the model that was calibrated, with all of its coefficients")
+        .help("write the model that was calibrated, with all coefficients of that model")
 }

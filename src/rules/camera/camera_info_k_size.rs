@@ -20,10 +20,18 @@ pub(crate) struct Limits {
     same_ratio: f64,
 }
 
-/// What to do where K is for a smaller image, and where it is for a larger one.
-const SCALE_UP: &str = "multiply fx, fy, cx and cy by the ratio of the two sizes, and state the image's width and height: K is for a smaller one";
-const SCALE_DOWN: &str = "divide fx, fy, cx and cy by the ratio of the two sizes, and state the image's width and height; or state the ratio as binning_x and \
-                          binning_y: K is for a larger one";
+/// What to do where K is for an image that is so many times as large as this one.
+fn rescale(times: f64, [width, height]: [f64; 2]) -> String {
+    let size = format!("K and in P, with width = {width} and height = {height}");
+    if times < 1.0 {
+        return format!("multiply fx, fy, cx and cy by about {:.2} in {size}", 1.0 / times);
+    }
+    format!(
+        "divide fx, fy, cx and cy by the size of the calibrated image / that of this image (about {times:.2}) in {size}; or, if the camera bins \
+         pixels, keep K and P, write the size of the whole image into width and height, and the whole number {times:.0} into binning_x and \
+         binning_y"
+    )
+}
 
 impl Rule for CameraInfoKSize {
     const NEEDS: &'static [Need] = &[Need::CameraInfo];
@@ -88,7 +96,8 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     if k.iter().any(|value| !value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
         let message = format!("K {} has invalid focal lengths: {fx} and {fy} pixels", published.whose);
         let finding = Finding::error(&subject, message, published.place.clone());
-        return out.fail(finding.help("calibrate the camera again, or look for a wrong field in the driver"));
+        return out
+            .fail(finding.help("write the calibrated numbers into K, with fx and fy (first and fifth) in pixels"));
     }
     if let Some(finding) = layout(published, &subject, limits) {
         return out.fail(finding);
@@ -102,38 +111,19 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
     }
     let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
     let measured = [
-        Measured::new("fx over fy", fx / fy, "1").limit(1.0 + limits.aspect),
-        Measured::new("cx over width", cx / width, "1").expected(0.5),
-        Measured::new("cy over height", cy / height, "1").expected(0.5),
-        Measured::new("horizontal field of view", view_deg, "deg").limit(limits.most_view_deg),
+        Measured::new("fx / fy", fx / fy, "1").limit(1.0 + limits.aspect),
+        Measured::new("cx / width", cx / width, "1").expected(0.5),
+        Measured::new("cy / height", cy / height, "1").expected(0.5),
     ];
+    let view = Measured::new("horizontal field of view", view_deg, "deg");
+    let view = if view_deg < limits.least_view_deg {
+        view.at_least(limits.least_view_deg)
+    } else {
+        view.limit(limits.most_view_deg)
+    };
     let is_central = |share: f64| (limits.least_centre..=limits.most_centre).contains(&share);
     let what = if !is_central(cx / width) || !is_central(cy / height) {
-        let (x, y) = (2.0 * cx / width, 2.0 * cy / height);
-        let of_another = (x / y - 1.0).abs() <= limits.same_ratio * 10.0;
-        Some(if of_another {
-            let words = format!(
-                " is probably for {:.0} x {:.0} pixels, not {width} x {height}",
-                width * x,
-                height * y
-            );
-            (
-                words,
-                "not-rescaled",
-                if x < 1.0 { SCALE_UP } else { SCALE_DOWN },
-                // No lens looks past its image.
-                if x.max(y) > 2.0 {
-                    Severity::Error
-                } else {
-                    Severity::Warning
-                },
-            )
-        } else {
-            let help = "set `roi` for a cropped image, and keep K of the whole image (REP-104)";
-            let words =
-                format!(": principal point ({cx:.1}, {cy:.1}) is far from the centre of a {width} x {height} image");
-            (words, "centre", help, Severity::Warning)
-        })
+        Some(off_centre([cx, cy], [width, height], limits))
     } else if (fx / fy - 1.0).abs() > limits.aspect {
         let words = format!(
             ": focal lengths {fx:.1} and {fy:.1} differ by {:.0} %",
@@ -142,7 +132,8 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
         Some((
             words,
             "aspect",
-            "scale fx or fy if the image was stretched; else calibrate again: pixels of nearly all cameras are square",
+            "if the image was stretched, scale fx or fy by the same factor; if not, calibrate again (pixels of nearly all cameras are square)"
+                .to_owned(),
             Severity::Warning,
         ))
     } else if !(limits.least_view_deg..=limits.most_view_deg).contains(&view_deg) {
@@ -150,22 +141,59 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
         Some((
             words,
             "view",
-            "look for a focal length in millimetres, or an image of another size",
+            format!("write fx and fy in pixels, not in millimetres, for an image of {width} x {height} pixels"),
             Severity::Warning,
         ))
     } else {
         None
     };
     match what {
-        None => out.pass(subject, measured),
+        None => out.pass(subject, measured.into_iter().chain([view])),
         Some((words, relation, help, severity)) => {
             let message = format!("K {}{words}", published.whose);
             let mut finding = Finding::warning(subject, message, published.place.clone()).likely();
             finding.severity = severity;
+            let finding = match relation {
+                "not-rescaled" => finding.detail(format!(
+                    "cx, cy = {cx:.1}, {cy:.1} are expected near the centre of the image, {:.0}, {:.0}. The size that K is for is estimated from them.",
+                    width / 2.0,
+                    height / 2.0
+                )),
+                "view" => finding.measured(view),
+                _ => finding,
+            };
             let finding = finding.relation(relation).help(help);
             out.fail(finding.measured(measured));
         }
     }
+}
+
+/// Words, relation, help and severity for a principal point that is far from the centre of its image.
+fn off_centre(
+    [cx, cy]: [f64; 2],
+    [width, height]: [f64; 2],
+    limits: &Limits,
+) -> (String, &'static str, String, Severity) {
+    let (x, y) = (2.0 * cx / width, 2.0 * cy / height);
+    let of_another = (x / y - 1.0).abs() <= limits.same_ratio * 10.0;
+    if !of_another {
+        let help = "set `roi` for a cropped image, and keep K of the whole image (REP-104)".to_owned();
+        let words =
+            format!(": principal point ({cx:.1}, {cy:.1}) is far from the centre of a {width} x {height} image");
+        return (words, "centre", help, Severity::Warning);
+    }
+    let words = format!(
+        " is probably for about {:.0} x {:.0} pixels, not {width} x {height} ({x:.2} times)",
+        width * x,
+        height * y
+    );
+    // No lens looks past its image.
+    let severity = if x.max(y) > 2.0 {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    (words, "not-rescaled", rescale(x, [width, height]), severity)
 }
 
 /// A finding where the numbers that must be zero or one are not.
@@ -196,10 +224,10 @@ fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Find
     let finding = Finding::error(subject, message, published.place.clone())
         .relation(relation)
         .detail(format!(
-            "Row by row, its last three numbers must be 0, 0, 1; its fourth is {k10} and must be 0."
+            "Row by row, the last three numbers of K must be 0, 0, 1, and the fourth, {k10}, must be 0."
         ));
     let off = [k10, k20, k21, k22 - 1.0].map(f64::abs).into_iter().fold(0.0, f64::max);
-    let measured = Measured::new("largest difference of these four numbers", off, "1").limit(limits.exact);
+    let measured = Measured::new("largest error of these four numbers", off, "1").limit(limits.exact);
     Some(finding.measured(measured).help(help))
 }
 
@@ -224,8 +252,8 @@ fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits:
     }
     let (x, y) = (image_width / width, image_height / height);
     let measured = [
-        Measured::new("width over the calibrated width", x, "1").expected(1.0),
-        Measured::new("height over the calibrated height", y, "1").expected(1.0),
+        Measured::new("width of the images / calibrated width", x, "1").expected(1.0),
+        Measured::new("height of the images / calibrated height", y, "1").expected(1.0),
     ];
     // Binning leaves a pixel over.
     if (image_width - width).abs() < 1.0 && (image_height - height).abs() < 1.0 {
@@ -235,19 +263,19 @@ fn judge_size(published: &RecordedCamera, topic: &str, form: &ImageForm, limits:
         (
             format!("The images were scaled by {x:.3}, and the calibration was not."),
             "not-rescaled",
-            if x > 1.0 { SCALE_UP } else { SCALE_DOWN },
+            rescale(1.0 / x, [image_width, image_height]),
         )
     } else if (image_width - height).abs() < 1.0 && (image_height - width).abs() < 1.0 {
         (
             "The images were rotated by 90 deg, and the calibration was not.".to_owned(),
             "turned",
-            "rotate the calibration and the optical frame with the image",
+            "rotate the calibration and the optical frame with the image".to_owned(),
         )
     } else {
         (
             "The images show another part, or are of another camera.".to_owned(),
             "other-size",
-            "set `roi` if the image is cropped; else use the calibration of this camera",
+            "set `roi` if the images are cropped; otherwise publish the calibration of the camera that makes these images".to_owned(),
         )
     };
     let message = format!(

@@ -50,18 +50,21 @@ fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
     if error <= limits.orthonormal && determinant > 0.0 {
         return out.pass(subject, measured);
     }
-    let message = format!(
-        "R {} is no rotation: R R^T - I is {error:.2e}, the determinant {determinant:.6}",
-        published.whose
-    );
+    let fault = if determinant < 0.0 {
+        format!("is mirrored (determinant {determinant:.6}, must be 1)")
+    } else {
+        format!("is no rotation (R R^T differs from the identity by {error:.2e})")
+    };
+    let message = format!("R {} {fault}", published.whose);
     let finding = Finding::error(subject, message, published.place.clone());
     let finding = if determinant < 0.0 {
         finding.relation("mirrored")
     } else {
         finding
     };
-    let finding =
-        finding.help("write the identity for a single camera, and the result of the stereo calibration for a pair");
+    let finding = finding.help(
+        "write the identity into R for a camera without rectification, and the result of the stereo calibration for a pair",
+    );
     out.fail(finding.measured(measured));
 }
 
@@ -78,43 +81,67 @@ fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut J
     let fault = if p.iter().any(|value| !value.is_finite()) || px <= 0.0 || py <= 0.0 {
         Some((
             format!("has invalid focal lengths: {px} and {py}"),
+            String::new(),
             "focal-length",
-            "write positive focal lengths: P begins with fx', its sixth number is fy'",
+            "write positive focal lengths in pixels as the first (fx') and the sixth (fy') number of P",
         ))
     } else if !(is(py0, 0.0) && is(p20, 0.0) && is(p21, 0.0) && is(p22, 1.0)) {
         let words = "is not fx', s, cx', Tx, 0, fy', cy', Ty, 0, 0, 1, 0".to_owned();
-        Some((words, "not-a-projection", "write P row by row, three rows of four"))
+        let help = "write P row by row, three rows of four numbers";
+        Some((words, String::new(), "not-a-projection", help))
     } else if tx > limits.exact {
-        let words = format!("has a positive Tx = {tx:.3}, as for a camera to the left of the left one");
         Some((
-            words,
+            format!("has Tx = {tx:+.3} px m, which must not be positive"),
+            "Tx is -fx' * baseline: 0 for the left camera of a pair, negative for the right camera.".to_owned(),
             "baseline-sign",
-            "check whether the two cameras are swapped: Tx is -fx' B for the right camera and 0 for the left one",
+            "negate Tx; or, if left and right were exchanged in the calibration, calibrate the pair again in the right order",
         ))
     } else if !zooms.iter().all(|zoom| accepted.contains(zoom)) {
-        let words = format!("has focal lengths {px:.1} and {py:.1}, but K has {fx:.1} and {fy:.1}");
         Some((
-            words,
+            format!(
+                "has fx, fy = {px:.1}, {py:.1} px, {:.2} and {:.2} times those of K",
+                px / fx,
+                py / fy
+            ),
+            format!(
+                "K has fx, fy = {fx:.1}, {fy:.1} px. Rectified images of the same size have similar focal lengths: K and P are probably of different \
+                 calibrations or image sizes."
+            ),
             "zoom",
-            "calibrate K and P together: P belongs to the rectified image of the same size",
+            "take K and P from one calibration for this image size; for a camera without rectification, copy fx, cx, fy and cy of K into P",
         ))
     } else {
         None
     };
-    let measured = [
-        Measured::new("fx of P over that of K", px / fx, "1").limit(limits.most_zoom),
-        Measured::new("Tx", tx, "px m").limit(0.0),
-        Measured::new("Ty", ty, "px m"),
-        Measured::new("cx of P", pcx, "px"),
-        Measured::new("cy of P", pcy, "px"),
-    ];
+    let zoom = |of: &str, ratio: f64| {
+        let measured = Measured::new(format!("{of} of P / {of} of K"), ratio, "1");
+        if ratio < limits.least_zoom {
+            measured.at_least(limits.least_zoom)
+        } else {
+            measured.limit(limits.most_zoom)
+        }
+    };
+    let baseline = Measured::new("Tx", tx, "px m").limit(0.0);
     match fault {
-        None => out.pass(subject, measured),
-        Some((words, relation, help)) => {
+        None => out.pass(
+            subject,
+            [
+                zoom("fx", px / fx),
+                baseline,
+                Measured::new("Ty", ty, "px m"),
+                Measured::new("cx of P", pcx, "px"),
+                Measured::new("cy of P", pcy, "px"),
+            ],
+        ),
+        Some((words, detail, relation, help)) => {
             let message = format!("P {} {words}", published.whose);
             let finding = Finding::error(subject, message, published.place.clone());
-            let finding = finding.likely().relation(relation).help(help);
-            out.fail(finding.measured(measured));
+            let finding = finding.likely().relation(relation).detail(detail).help(help);
+            out.fail(if relation == "baseline-sign" {
+                finding.measured(baseline)
+            } else {
+                finding.measured([zoom("fx", px / fx), zoom("fy", py / fy)])
+            });
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::analysis::camera::in_view::{Views, cameras};
 use crate::analysis::camera::looks::{Fault, Limits, ViewEstimate};
-use crate::analysis::{camera::published::RecordedCamera, camera::views::Attitude};
+use crate::analysis::camera::views::{Attitude, Mistake};
+use crate::analysis::{camera::published::RecordedCamera, places::of_numbers};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
@@ -39,75 +40,80 @@ fn judge_shown(
         roll_deg,
         height_m,
     } = shown.attitude;
+    let share_of = |what: &str, value: f64| Measured::new(what, value, "1");
     let measured = [
-        Measured::new("share of the lidar's points in the image", shown.share, "1")
-            .limit(limits.blind * shown.most)
-            .samples(shown.points as u64),
-        Measured::new("largest share for a level camera there", shown.most, "1"),
-        Measured::new("pitch of the view over the ground", pitch_deg, "deg").samples(shown.clouds as u64),
         Measured::new("roll of the image over the ground", roll_deg, "deg").limit(limits.max_roll_deg),
-        Measured::new("height over the ground", height_m, "m"),
+        Measured::new("pitch of the optical axis over the ground", pitch_deg, "deg").samples(shown.clouds as u64),
+        Measured::new("height of the camera over the ground", height_m, "m"),
+        share_of("share of the lidar's points in the image", shown.share)
+            .at_least(limits.blind * shown.most)
+            .samples(shown.points as u64),
+        share_of("largest such share of a level camera at the same place", shown.most),
     ];
     let fault = match &shown.judged {
         Err((reason, why)) => return out.not_evaluated(subject, *reason, why),
         Ok(None) => return out.pass(subject, measured),
         Ok(Some(fault)) => fault,
     };
-    let edge = world
-        .graph()
-        .edges_to(frame)
-        .find_map(|edge| crate::analysis::places::of_numbers(world, edge));
+    let mut edges = world.graph().edges_to(frame);
+    let edge = edges.find_map(|edge| of_numbers(world, edge));
     let place = edge.unwrap_or_else(|| camera.place());
     let (topic, base) = (&shown.topic, &shown.base);
     let finding = match fault {
         Fault::UpsideDown => Finding::warning(
             subject,
-            format!("`{frame}` is upside down over the ground on `{topic}`: its y axis points up"),
+            format!("`{frame}` is upside down over the ground on `{topic}`: y (down in the image) points up"),
             place,
         )
         .hint()
         .relation("upside-down")
-        .help("rotate the frame by 180 deg about its z, unless the camera is mounted upside down and its images are not rotated"),
-        Fault::Under => Finding::error(
-            subject,
-            format!("`{frame}` is {:.2} m below the ground on `{topic}`", -height_m),
-            place,
-        )
-        .likely()
-        .detail(format!("The ground is below `{base}`."))
-        .relation("translation-negated")
-        .help("correct the sign of z, or invert the transform"),
+        .help("if the camera is mounted upright, or its driver rotates the images, rotate the frame by 180 deg about z of the frame"),
+        Fault::Under => {
+            let message = format!("`{frame}` is {:.2} m below the ground on `{topic}`", -height_m);
+            Finding::error(subject, message, place)
+                .likely()
+                .detail(format!("The ground is below `{base}`."))
+                .relation("translation-negated")
+                .help("correct the sign of z, or invert the transform")
+        }
         Fault::Mistaken(mistakes, share) => {
             let Some(first) = mistakes.first() else { return };
-            let others: Vec<&str> = mistakes.iter().skip(1).map(|other| other.word()).collect();
-            let others = if others.is_empty() {
-                String::new()
-            } else {
-                format!(" Indistinguishable here: {}.", others.join(", "))
-            };
             let looks = if pitch_deg.abs() > limits.max_pitch_deg {
-                format!("has a pitch of {pitch_deg:+.0} deg")
+                let side = if pitch_deg > 0.0 { "up" } else { "down" };
+                format!("looks {:.0} deg {side}", pitch_deg.abs())
             } else if roll_deg.abs() > limits.max_roll_deg {
-                format!("has a roll of {roll_deg:+.0} deg")
+                format!("image rolled by {roll_deg:+.0} deg")
             } else {
                 "looks away from the points".to_owned()
             };
-            let message = format!("`{frame}` {looks}: {}", first.text());
-            let detail = format!(
-                "As published, {:.1} % of the points on `{topic}` are in its image; corrected, {:.1} %, and the image is upright over the ground.{others}",
-                100.0 * shown.share,
+            let message = format!("`{base}` -> `{frame}`: {} ({looks})", first.text());
+            let is_blind = shown.share < limits.blind * shown.most;
+            let severity = if is_blind { Severity::Error } else { Severity::Warning };
+            let mut finding = Finding::new(severity, subject, message, place).likely();
+            if height_m < 0.0 {
+                finding = finding.detail(format!("As published, the camera is {:.2} m below the ground.", -height_m));
+            }
+            finding = finding.detail(format!(
+                "Corrected, the image is upright, the camera is above the ground, and {:.1} % of the points on `{topic}` are in the image.",
                 100.0 * share
-            );
-            let finding = if shown.share < limits.blind * shown.most {
-                Finding::error(subject, message, place)
-            } else {
-                Finding::warning(subject, message, place)
-            };
-            finding.likely().detail(detail).relation(first.word()).help(first.help())
+            ));
+            if mistakes.len() > 1 {
+                let others: Vec<&str> = mistakes.iter().skip(1).map(|other| other.text()).collect();
+                finding = finding.detail(format!("Equally possible: {}.", others.join(", ")));
+            }
+            finding.relation(first.word()).help(help(mistakes))
         }
     };
-    let finding = finding
-        .related(camera.place(), "the camera")
-        .label("transform of the frame");
-    out.fail(finding.measured(measured));
+    let finding = finding.label("transform of the frame").measured(measured);
+    out.fail(finding.related(camera.place(), "the camera"));
+}
+
+/// What to do about the one mistake that explains it, or about each of several.
+fn help(mistakes: &[Mistake]) -> String {
+    if let [only] = mistakes {
+        return only.help().to_owned();
+    }
+    let each = mistakes.iter().zip(1..);
+    let each = each.map(|(mistake, number)| format!("\n({number}) {}: {}", mistake.text(), mistake.help()));
+    format!("correct the mistake that was made:{}", each.collect::<String>())
 }

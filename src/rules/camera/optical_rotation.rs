@@ -5,7 +5,9 @@ use std::cell::LazyCell;
 use nalgebra::Vector3;
 
 use crate::analysis::camera::published::{NameAgreement, VERTICAL, looks_against_its_name};
-use crate::analysis::{motion::mount::Mounts, names};
+use crate::analysis::motion::mount::{Mount, Mounts};
+use crate::analysis::{names, places};
+use crate::math::constants::AxisTurn;
 use crate::rules::prelude::*;
 use crate::world::FrameId;
 
@@ -35,24 +37,19 @@ impl Rule for OpticalRotation {
 fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
     let Some(mount) = mounts.get(frame) else {
-        return out.missing(
-            subject,
-            "no rigid chain of transforms connects it with a base: add the robot description or /tf_static",
-        );
+        let why = "no rigid chain of transforms connects it with a base: add the robot description or /tf_static";
+        return out.missing(subject, why);
     };
+    let base = &mount.base;
     let turned = mount.base_from_sensor.rotation;
     let pitch_deg = (turned * Vector3::z()).z.clamp(-1.0, 1.0).asin().to_degrees();
     let down = -(turned * Vector3::y()).z;
-    let measured = [
-        Measured::new("pitch of the view over the horizon", pitch_deg, "deg").limit(limits.max_pitch_deg),
-        Measured::new("cosine between the image's down and the base's down", down, "1").at_least(limits.min_down),
-    ];
-    let Some(place) = world
-        .graph()
-        .edges_to(frame)
-        .find_map(|edge| crate::analysis::places::of_numbers(world, edge))
-        .or_else(|| crate::analysis::places::first(world, frame))
-    else {
+    let pitch =
+        Measured::new("angle of the optical axis (z) above the horizon", pitch_deg, "deg").limit(limits.max_pitch_deg);
+    let upright = Measured::new("cosine between y (down in the image) and down", down, "1").at_least(limits.min_down);
+    let mut edges = world.graph().edges_to(frame);
+    let stated = edges.find_map(|edge| places::of_numbers(world, edge));
+    let Some(place) = stated.or_else(|| places::first(world, frame)) else {
         return;
     };
     // NAME06 (axes that are not optical) and CAMERA05 (what the lidar sees) report it better.
@@ -66,43 +63,56 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
             let why = format!("it looks {pitch_deg:.0} deg over the horizon, as its name allows");
             return out.not_applicable(subject, why);
         }
+        let (side, word, relation, turn) = if pitch_deg > 0.0 {
+            let turn = format!(
+                "if the frame has the axes of a link (x forward, z up), rotate the frame by RPY(-pi/2, 0, -pi/2), which gives {}",
+                as_optical(&mount)
+            );
+            ("above", "up", "looks-up", turn)
+        } else {
+            let turn = "if the camera does not look down, rotate the frame: z forward, x right, y down (REP-103)";
+            ("below", "down", "looks-down", turn.to_owned())
+        };
         let message = format!(
-            "`{frame}` looks {} in `{}`: its z axis is {:.0} deg {} the horizon",
-            if pitch_deg > 0.0 { "up" } else { "down" },
-            mount.base,
-            pitch_deg.abs(),
-            if pitch_deg > 0.0 { "above" } else { "below" }
+            "`{frame}`: the optical axis (z) points {:.0} deg {side} the horizon of `{base}`",
+            pitch_deg.abs()
         );
         let finding = Finding::warning(subject, message, place)
             .likely()
-            .relation(if pitch_deg > 0.0 { "looks-up" } else { "looks-down" })
-            .help("rotate the frame: z forward, x right, y down (REP-103); if the camera really looks there, add `up` or `down` to its name");
-        return out.fail(better(finding.measured(measured)));
+            .relation(relation)
+            .help(format!(
+                "compare the frame with the camera:\n(1) {turn}\n(2) if the camera looks {word}, add `{word}` to the name of the frame"
+            ));
+        return out.fail(better(finding.measured(pitch)));
     }
     if down < -limits.min_down {
-        let message = format!(
-            "`{frame}` is upside down in `{}`: its y axis (down in the image) points up",
-            mount.base
-        );
+        let message = format!("`{frame}` is upside down in `{base}`: y (down in the image) points up");
         let finding = Finding::warning(subject, message, place)
             .hint()
             .relation("upside-down")
-            .help("rotate the frame by 180 deg about its z, unless the camera is mounted upside down and its images are not rotated");
-        return out.fail(better(finding.measured(measured)));
+            .help("if the camera is mounted upright, or its driver rotates the images, rotate the frame by 180 deg about z of the frame");
+        return out.fail(better(finding.measured([upright, pitch])));
     }
     let looks = turned * Vector3::z();
     if looks_against_its_name(frame, &looks) == NameAgreement::Against {
         let message = format!(
-            "`{frame}` looks {} in `{}`, against its name: its z axis is {:.0} deg from x",
+            "`{frame}` looks {} in `{base}`, against its name: the optical axis (z) is {:.0} deg from x",
             if looks.x > 0.0 { "ahead" } else { "back" },
-            mount.base,
             looks.angle(&Vector3::x()).to_degrees()
         );
         let finding = Finding::warning(subject, message, place)
             .likely()
             .relation("reversed")
             .help("use RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2): z is the direction of view (REP-103)");
-        return out.fail(better(finding.measured(measured)));
+        return out.fail(better(finding.measured([pitch, upright])));
     }
-    out.pass(subject, measured);
+    out.pass(subject, [pitch, upright]);
+}
+
+/// RPY of the frame in the base with optical axes, if the frame has those of a link.
+fn as_optical(mount: &Mount) -> String {
+    let (roll, pitch, yaw) = (mount.base_from_sensor.rotation * AxisTurn::Optical.quaternion()).euler_angles();
+    // Adding zero turns -0 into 0.
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| (angle * 1e4).round() / 1e4 + 0.0);
+    format!("rpy {roll} {pitch} {yaw} in `{}`", mount.base)
 }

@@ -102,9 +102,14 @@ fn judge_pair(world: &World, left: &RecordedCamera, right: &RecordedCamera, limi
     let by_tf = left_from_right.translation.vector;
     let differs = (by_p - by_tf.x).abs() / by_tf.norm().max(limits.least_m);
     let measured = [
-        Measured::new("baseline by the calibration", by_p, "m"),
-        Measured::new("x of the right camera in the left one's frame", by_tf.x, "m"),
-        Measured::new("difference over the distance of the cameras", differs, "1").limit(limits.warning),
+        Measured::new("baseline by P of the two cameras", by_p, "m"),
+        Measured::new("x of the right camera in the frame of the left camera", by_tf.x, "m"),
+        Measured::new(
+            "difference of the baselines / distance of the cameras in TF",
+            differs,
+            "1",
+        )
+        .limit(limits.warning),
     ];
     if differs <= limits.warning {
         return out.pass(subject, measured);
@@ -112,21 +117,24 @@ fn judge_pair(world: &World, left: &RecordedCamera, right: &RecordedCamera, limi
     let is_aside = by_tf.x.abs() < limits.aside * by_tf.norm();
     let (words, relation, help) = if is_aside {
         (
-            "The right camera is not along x of the left one: the frames are probably not optical.",
+            "The right camera is not along x of the left camera: the frames are probably not optical.",
             "not-optical",
-            "use the optical frames in both calibrations (x right, z forward)",
+            "use the optical frames in both calibrations (x right, z forward)".to_owned(),
         )
     } else if by_p * by_tf.x < 0.0 {
         (
-            "Left and right are swapped in one of them.",
+            "The signs differ: left and right are swapped, either in the two topics or in TF.",
             "swapped",
-            "exchange the two topics, or the two frames",
+            format!(
+                "cover the left lens:\n(1) if the images of the right camera go dark, swap the two topics\n(2) if the images of the left camera go \
+                 dark, swap `{left_frame}` and `{right_frame}` in TF"
+            ),
         )
     } else {
         (
-            "One of the two is wrong.",
+            "One of the two baselines is wrong.",
             "other-length",
-            "measure the baseline and correct the wrong one: depth has the same relative error",
+            "measure the distance of the two lenses, and correct the baseline that differs (depth has the same relative error)".to_owned(),
         )
     };
     let severity = if differs > limits.error {
@@ -135,13 +143,13 @@ fn judge_pair(world: &World, left: &RecordedCamera, right: &RecordedCamera, limi
         Severity::Warning
     };
     let message = format!(
-        "the stereo baseline is {by_p:.4} m on `{}`, but {:.4} m along x in TF",
+        "the stereo baseline is {by_p:+.4} m on `{}`, but {:+.4} m along x in TF",
         right.topic, by_tf.x
     );
     let finding = Finding::new(severity, &subject, message, right.place())
         .likely()
         .detail(format!(
-            "In TF `{right_frame}` is {:.4} m from `{left_frame}`. {words}",
+            "In TF, `{right_frame}` is {:.4} m from `{left_frame}`. {words}",
             by_tf.norm()
         ));
     let finding = finding

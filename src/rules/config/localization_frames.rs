@@ -29,11 +29,19 @@ impl Rule for LocalizationFrames {
                     "filters `{other}` and `{}` both publish `{}` -> `{}`",
                     settings.node, edge.1, edge.2
                 );
+                let (free, what) = if frames.world == frames.map {
+                    (&frames.odom, "continuous odometry")
+                } else {
+                    (&frames.map, "absolute positions")
+                };
                 let finding = Finding::error(subject, message, frames.place.clone())
                     .likely()
-                    .related(place.clone(), "the other filter")
-                    .detail("A listener gets the two estimates in turn.")
-                    .help("set `world_frame: odom` for one filter and `world_frame: map` for the other, or `publish_tf: false` for one");
+                    .label(format!("`{}`", settings.node))
+                    .related(place.clone(), format!("`{other}`"))
+                    .detail("Listeners receive both estimates in turn, so the transform jumps between them.")
+                    .help(format!(
+                        "set `world_frame: {free}` for the filter with {what}, or `publish_tf: false` for one of the two filters"
+                    ));
                 out.fail(finding.measured(Measured::count("filters for one transform", 2).limit(1.0)));
                 continue;
             }
@@ -60,10 +68,8 @@ impl Frames {
         let keys = ["world_frame", "map_frame", "odom_frame", "base_link_frame"];
         let place = keys.iter().find_map(|key| Some(settings.text(key)?.place.clone()))?;
         let or = |key: &str, default: &str| {
-            let set = settings
-                .text(key)
-                .map(|value| value.value.trim_start_matches('/').to_owned());
-            set.unwrap_or_else(|| default.to_owned())
+            let set = settings.text(key);
+            set.map_or(default, |set| set.value.trim_start_matches('/')).to_owned()
         };
         let odom = or("odom_frame", "odom");
         Some(Self {
@@ -81,11 +87,7 @@ impl Frames {
     }
 
     fn fault(&self, settings: &LocalizationSettings, subject: &str) -> Option<Finding> {
-        let place = |key: &str| {
-            settings
-                .text(key)
-                .map_or_else(|| self.place.clone(), |value| value.place.clone())
-        };
+        let place = |key: &str| settings.text(key).map_or(&self.place, |value| &value.place).clone();
         let pairs = [
             ("map_frame", &self.map, "odom_frame", &self.odom),
             ("odom_frame", &self.odom, "base_link_frame", &self.base),
@@ -96,10 +98,8 @@ impl Frames {
                 "`{one}` and `{other}` of `{}` are both `{frame}`: the filter does not start",
                 settings.node
             );
-            return Some(
-                Finding::error(subject, message, place(other))
-                    .help("set three different frames for map, odom and base_link (REP-105)"),
-            );
+            let finding = Finding::error(subject, message, place(other));
+            return Some(finding.help("set three different frames for map, odom and base_link (REP-105)"));
         }
         if self.world != self.map && self.world != self.odom {
             let message = format!(
@@ -111,7 +111,7 @@ impl Frames {
                 self.map, self.odom
             );
             return Some(Finding::error(subject, message, place("world_frame")).detail(detail).help(format!(
-                "set it to `{}` for a filter of continuous odometry, or to `{}` for one with absolute positions",
+                "set `world_frame` to `{}` for a filter with continuous odometry, to `{}` for a filter with absolute positions",
                 self.odom, self.map
             )));
         }

@@ -55,8 +55,11 @@ fn judge_datum(settings: &LocalizationSettings, of: &str, out: &mut Judge) {
         let finding = Finding::error(subject, message, written.place.clone());
         out.fail(
             finding
-                .detail("The order is latitude, longitude, heading.")
-                .help(format!("write {longitude} {} if the two are swapped", latitude.value))
+                .detail("The order of the datum is latitude, longitude, heading.")
+                .help(format!(
+                    "if latitude and longitude are swapped, write {longitude}, {}",
+                    latitude.value
+                ))
                 .measured(latitude),
         );
     } else if heading.abs() > std::f64::consts::TAU {
@@ -66,7 +69,7 @@ fn judge_datum(settings: &LocalizationSettings, of: &str, out: &mut Judge) {
             .relation("degrees");
         out.fail(
             finding
-                .detail("The node reads radians; this is probably in degrees.")
+                .detail("The node reads radians. The value is probably in degrees.")
                 .help(format!("write {:.7}", heading.to_radians()))
                 .measured(measured),
         );
@@ -88,7 +91,7 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
             .relation("degrees");
         out.fail(
             finding
-                .detail("The node reads radians; this is probably in degrees.")
+                .detail("The node reads radians. The value is probably in degrees.")
                 .help(format!("write {:.7}", offset.to_radians()))
                 .measured(measured),
         );
@@ -98,7 +101,7 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
         out.fail(
             finding
                 .detail(
-                    "That is a yaw that increases counter-clockwise; an offset cannot correct a yaw that increases clockwise.",
+                    "This holds for a yaw that increases counter-clockwise. No offset corrects a yaw that increases clockwise.",
                 )
                 .help("write 1.5707963, or correct the driver's convention")
                 .measured(measured),
@@ -139,12 +142,13 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
     let east_or_west = if declination > 0.0 { "east" } else { "west" };
     // The node adds the value to a yaw that increases counter-clockwise; magnetic north in the east makes that yaw too large.
     let needed = -declination;
-    let measured = Measured::new("value by the World Magnetic Model", needed, "deg").expected(written_deg);
+    let measured = Measured::new("value in the file", written_deg, "deg").expected(needed);
     let near = |value: f64| (written_deg - value).abs() <= limits.agree_deg;
     if !near(needed) && near(-needed) && declination.abs() >= limits.least_deg {
-        let message = format!("`{DECLINATION}` has the wrong sign: {written_deg:+.1} deg instead of {needed:+.1} deg");
+        let message = format!("`{DECLINATION}` has the wrong sign: {written_deg:+.2} deg, expected {needed:+.2} deg");
         let detail = format!(
-            "At {:.3}, {:.3} the declination is {:.1} deg {east_or_west}, and the node adds its value to a yaw that increases counter-clockwise.",
+            "At {:.3}, {:.3} the declination is {:.2} deg {east_or_west} (World Magnetic Model). The node adds the value to a counter-clockwise yaw, \
+             so west is positive.",
             position.0,
             position.1,
             declination.abs(),
@@ -154,12 +158,13 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
             .detail(detail)
             .relation("sign")
             .help(format!(
-                "write {:.7}: a declination to the east is negative here",
-                -written
+                "write {:.5}, which is {needed:+.2} deg: {:.2} deg {east_or_west}",
+                needed.to_radians(),
+                declination.abs()
             ));
         let finding = finding.measured(measured);
         out.fail(match source {
-            Some(source) => finding.related(source, "the position"),
+            Some(source) => finding.related(source, "the position that was used"),
             None => finding,
         });
     } else {

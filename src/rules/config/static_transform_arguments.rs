@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use crate::analysis::names;
 use crate::rules::prelude::*;
-use crate::world::launch::{ArgumentForm, ReadObstacle, StaticPublisher};
-use crate::world::{Claim, Spelling};
+use crate::source::Span;
+use crate::world::launch::{ArgumentForm, PROGRAM, ReadObstacle, StaticPublisher};
+use crate::world::{Claim, Spelling, World};
 
 pub(crate) struct StaticTransformArguments;
 
@@ -45,8 +46,16 @@ impl Rule for StaticTransformArguments {
                         Some(needed) => count.expected(needed),
                         None => count,
                     };
-                    let finding = Finding::error(subject, message, publisher.place.clone());
-                    out.fail(finding.detail(detail).help(help).measured(count));
+                    let finding = match joined(world, publisher) {
+                        Some((strings, place)) => Finding::error(subject, message, place)
+                            .label("no comma between the two strings")
+                            .detail(format!("Python joins `{strings}` to one argument."))
+                            .help("put a comma between the two strings"),
+                        None => Finding::error(subject, message, publisher.place.clone())
+                            .detail(detail)
+                            .help(help),
+                    };
+                    out.fail(finding.measured(count));
                 }
                 None => judge_read(&claims, publisher, subject, limits, out),
             }
@@ -60,10 +69,14 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
     const REMOVE: &str = "remove the last number: a static transform has no period";
     let name = &publisher.label;
     if let Some(ReadObstacle::Misread(why)) = &publisher.unread {
-        let message = format!("static_transform_publisher cannot read the arguments of `{name}`");
+        let of = if name.starts_with(PROGRAM) {
+            String::new()
+        } else {
+            format!(" `{name}`")
+        };
         return Some((
-            message,
-            format!("Reason: {why}."),
+            format!("{PROGRAM}{of} cannot read its arguments: {why}"),
+            String::new(),
             "write x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
         ));
     }
@@ -95,6 +108,32 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         )),
         _ => None,
     }
+}
+
+/// Two strings of a Python file without a comma between them, in arguments that cannot be read, and their place.
+fn joined(world: &World, publisher: &StaticPublisher) -> Option<(String, Place)> {
+    let source = publisher.place.source;
+    let is_misread = matches!(publisher.unread, Some(ReadObstacle::Misread(_)));
+    let is_python = std::path::Path::new(world.path(source))
+        .extension()
+        .is_some_and(|ending| ending == "py");
+    let span = publisher.place.span().filter(|_| is_misread && is_python)?;
+    // With the quotes of the first and the last one.
+    let mut start = span.start.checked_sub(1)?;
+    for piece in world.source(source)?.text.get(start..span.end + 1)?.split(',') {
+        let strings = piece.trim();
+        let parts: Vec<&str> = strings.split(['\'', '"']).collect();
+        if let ["", _, between, _, ""] = parts.as_slice()
+            && !between.is_empty()
+            && between.trim().is_empty()
+        {
+            let start = start + (piece.len() - piece.trim_start().len());
+            let place = Place::text(source, Span::new(start, start + strings.len()));
+            return Some((strings.to_owned(), place));
+        }
+        start += piece.len() + 1;
+    }
+    None
 }
 
 /// How many arguments the program takes in the form in which they are written.
@@ -131,7 +170,7 @@ fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, l
         .rotation_literals
         .iter()
         .map(|literal| literal.span)
-        .reduce(crate::source::Span::cover)
+        .reduce(Span::cover)
         .map_or_else(
             || publisher.place.clone(),
             |span| Place::text(publisher.place.source, span),

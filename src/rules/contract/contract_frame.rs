@@ -47,7 +47,7 @@ fn judge_all<'w>(
                 let why = topic.unread.as_deref().unwrap_or("no message with one was read");
                 out.too_little(term.subject.as_str(), format!("its `{key}` is not known: {why}"));
             } else {
-                let measured = Measured::count("messages with another frame", 0).limit(0.0);
+                let measured = Measured::count("messages with a frame that is not in the contract", 0).limit(0.0);
                 out.pass(term.subject.as_str(), [measured.samples(read)]);
             }
             continue;
@@ -63,15 +63,29 @@ fn judge_all<'w>(
             String::new()
         };
         let message = format!("`{name}` has {key} `{frame}` instead of {allowed}{some}");
-        let finding = Finding::error(&term.subject, message, term.terms.place.clone())
-            .label("frame by the contract")
-            .help(format!("publish `{name}` with {key} {allowed}; {MEANT}"))
-            .measured(
-                Measured::new("messages with another frame", count as f64, "count")
-                    .limit(0.0)
-                    .samples(read),
+        let help = if key == "child_frame_id" {
+            format!("publish the pose of {allowed} on `{name}`: convert the pose, do not only rename the frame")
+        } else {
+            format!(
+                "publish `{name}` with {key} {allowed}, and convert the data if they are expressed in another frame"
             )
-            .related(Place::message(bag.source, first.first.clone()), "first message with it");
+        };
+        let finding = Finding::error(&term.subject, message, term.terms.place.clone())
+            .label("frame in the contract")
+            .help(format!("{help}; {MEANT}"))
+            .measured(
+                Measured::new(
+                    "messages with a frame that is not in the contract",
+                    count as f64,
+                    "count",
+                )
+                .limit(0.0)
+                .samples(read),
+            )
+            .related(
+                Place::message(bag.source, first.first.clone()),
+                format!("first message with `{frame}`"),
+            );
         out.fail(finding);
     }
 }

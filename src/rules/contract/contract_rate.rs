@@ -52,7 +52,7 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
     let percent = (rate_hz / wanted_hz - 1.0) * 100.0;
     let measured = [
         Measured::new("rate", rate_hz, "Hz").samples(topic.total.unwrap_or(topic.count)),
-        Measured::new("difference from the contract", percent.abs(), "%").limit(tolerance),
+        Measured::new("size of the difference from the contract", percent.abs(), "%").limit(tolerance),
     ];
     if percent.abs() <= tolerance {
         return out.pass(term.subject.as_str(), measured);
@@ -75,17 +75,17 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, (wanted_hz, tolerance): (f64,
         message
     };
     let help = if stopped.is_some() {
-        "find out what stopped its messages"
+        "find out what stopped the messages of the topic"
     } else if percent < 0.0 {
-        "find out what slows down or drops its messages"
+        "find out what slows down or drops the messages of the topic"
     } else {
-        "find out whether it is published twice, or set up with another rate"
+        "find out whether the topic is published twice, or set up with another rate"
     };
     let finding = Finding::warning(&term.subject, message, term.terms.place.clone())
         .label("rate by the contract")
         .detail(
-            "The rate is that of the log times, from the first message of the topic to its last, or to the \
-             end of the recording if that is more than three steps later.",
+            "The rate is by log time, from the first message of the topic to the last, or to the end of the recording if the messages stop \
+             earlier.",
         )
         .help(format!("{help}; {MEANT}"))
         .measured(measured)

@@ -34,8 +34,8 @@ impl Rule for ContractSensor {
 #[derive(Default)]
 struct Compared<'w> {
     measured: Vec<Measured>,
-    /// Differences in words, each with a message that has it.
-    other: Vec<(String, &'w MessageRef)>,
+    /// Differences in words, each with what to do, and a message that has it.
+    other: Vec<(String, String, &'w MessageRef)>,
     /// Keys of the contract that are not decided, and why, as clauses.
     unknown: Vec<String>,
 }
@@ -47,9 +47,15 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
         let others = seen.images.iter().filter(|(size, _)| *size != [width, height]);
         for ([other_width, other_height], at) in others.clone().take(1) {
             let words = format!("images of {other_width} x {other_height} instead of {width} x {height}");
-            found.other.push((words, at));
+            found
+                .other
+                .push((words, format!("publish images of {width} x {height}"), at));
         }
-        found.counted("image", "sizes of images that differ", (&seen.images, others.count()));
+        found.counted(
+            "image",
+            "sizes of images that are not in the contract",
+            (&seen.images, others.count()),
+        );
     }
     let counts = [("rings", wanted.rings, seen.rings), ("rays", wanted.rays, seen.rays)];
     for (key, wanted, seen) in counts {
@@ -66,7 +72,10 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
             1.0 / limits.max_ratio
         };
         if share > limits.max_ratio || share <= least {
-            found.other.push((format!("{count} {key} instead of {wanted}"), at));
+            let words = format!("{count} {key} instead of {wanted}");
+            found
+                .other
+                .push((words, format!("use the model or the mode with {wanted} {key}"), at));
         } else if key == "rings" && (share < 1.0 / limits.max_ratio || count > wanted) {
             let why = "a ring whose rays all miss has no points";
             found
@@ -86,11 +95,17 @@ fn judge_one(term: &Term, (bag, topic): &Recorded, limits: &Limits, out: &mut Ju
         let (lacks, at) = lacking.find(|(lacks, _)| !lacks.is_empty()).unzip();
         let lacks = lacks.unwrap_or_default();
         if let Some(at) = at {
+            let lacks = lacks.join(", ");
+            let words = format!("no field {lacks} in its points");
             found
                 .other
-                .push((format!("no field {} in its points", lacks.join(", ")), at));
+                .push((words, format!("set the driver to publish the field {lacks}"), at));
         }
-        found.counted("fields", "fields that points lack", (&seen.fields, lacks.len()));
+        found.counted(
+            "fields",
+            "fields of the contract that the points lack",
+            (&seen.fields, lacks.len()),
+        );
     }
     report(term, (bag.source, topic.unread.as_deref()), found, out);
 }
@@ -111,21 +126,20 @@ impl Compared<'_> {
 
 fn report(term: &Term, (source, unread): (SourceId, Option<&str>), found: Compared, out: &mut Judge) {
     let subject = term.subject.as_str();
-    let Some((_, at)) = found.other.first() else {
+    let Some((first, _, at)) = found.other.first() else {
         if found.unknown.is_empty() {
             return out.pass(subject, found.measured);
         }
         let why = unread.map_or_else(|| found.unknown.join("; "), str::to_owned);
         return out.too_little(subject, why);
     };
-    let words: Vec<&str> = found.other.iter().map(|(words, _)| words.as_str()).collect();
+    let words: Vec<&str> = found.other.iter().map(|(words, ..)| words.as_str()).collect();
+    let help: Vec<&str> = found.other.iter().map(|(_, help, _)| help.as_str()).collect();
     let message = format!("`{}` has {}", term.name, words.join(", "));
     let finding = Finding::error(subject, message, term.terms.place.clone())
-        .label("sensor by the contract")
-        .help(format!(
-            "find out whether the sensor or its driver was replaced, or set up in another way; {MEANT}"
-        ))
-        .measured(found.measured)
-        .related(Place::message(source, (*at).clone()), "first message with it");
+        .label("sensor in the contract")
+        .help(format!("{}; {MEANT}", help.join(", and ")))
+        .related(Place::message(source, (*at).clone()), format!("message with {first}"))
+        .measured(found.measured);
     out.fail(finding);
 }

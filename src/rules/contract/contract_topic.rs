@@ -29,7 +29,7 @@ impl Rule for ContractTopic {
                 let messages = term.seen.iter().map(|(_, topic)| topic.total.unwrap_or(topic.count));
                 out.pass(
                     term.subject,
-                    [Measured::count("recordings with it", term.seen.len()).samples(messages.sum())],
+                    [Measured::count("recordings with the topic", term.seen.len()).samples(messages.sum())],
                 );
             }
         }
@@ -41,8 +41,8 @@ impl Rule for ContractTopic {
             };
             let place = Place::of(bag.source, topic.stamps.first.as_ref());
             let finding = Finding::note("topics that the contract does not know", message, place)
-                .detail(format!("Not in the contract: {names}."))
-                .help("add what belongs to the platform to the contract, with `optional: true` if it may be missing")
+                .detail(if unknown.len() > 1 { format!("These are {names}.") } else { String::new() })
+                .help("add each topic of the platform to the contract, with `optional: true` where a recording may lack the topic")
                 .measured(Measured::count("topics that are not in the contract", unknown.len()).limit(0.0));
             out.fail(finding);
         }
@@ -86,10 +86,13 @@ fn missing(world: &Estimates, term: &Term, unknown: &[Recorded]) -> Finding {
     let finding = Finding::error(&term.subject, message, term.terms.place.clone())
         .label("not recorded")
         .help(format!("record `{name}`; {MEANT}, or set `optional: true`"))
-        .measured(Measured::count("recordings with it", 0).at_least(1.0));
+        .measured(Measured::count("recordings with the topic", 0).at_least(1.0));
     let finding = match alike.as_slice() {
         [] => finding,
-        alike => finding.detail(format!("Of its type, and not in the contract: {}.", names(alike))),
+        alike => finding.detail(format!(
+            "Recorded with the same type, and not in the contract: {}.",
+            names(alike)
+        )),
     };
     world.bags.iter().take(MAX_NAMED).fold(finding, |finding, bag| {
         finding.related(Place::whole(bag.source), "without the topic")
@@ -103,12 +106,11 @@ fn retyped(term: &Term, (bag, topic): &Recorded, wanted: &str) -> Finding {
         format!("`{name}` has type `{found}` instead of `{wanted}`"),
         term.terms.place.clone(),
     )
-    .label("type by the contract")
+    .label("type in the contract")
     .help(format!("publish `{name}` as `{wanted}`; {MEANT}"))
-    .measured(
-        Measured::count("recordings with another type", 1)
-            .limit(0.0)
-            .samples(topic.count),
+    .measured(Measured::count("recordings with another type than in the contract", 1).limit(0.0))
+    .related(
+        Place::of(bag.source, topic.stamps.first.as_ref()),
+        format!("first message, of type `{found}`"),
     )
-    .related(Place::of(bag.source, topic.stamps.first.as_ref()), "another type")
 }

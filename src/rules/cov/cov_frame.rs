@@ -7,7 +7,7 @@ mod limits;
 use crate::analysis::cov::declared::{Axes, StreamCovariance, each};
 use crate::analysis::{cov::noise::Noise, motion::Stream};
 use crate::rules::{cov::cov_frame::limits::Limits, prelude::*};
-use crate::world::motion::PoseRow;
+use crate::world::{FrameId, motion::PoseRow};
 
 pub(crate) struct CovFrame;
 
@@ -55,22 +55,27 @@ fn axes(declared: &StreamCovariance<'_>, limits: &Limits) -> Result<Axes, String
     Ok(axes)
 }
 
+/// The name of a frame, or other words where there is none.
+fn named(frame: Option<&FrameId>, unnamed: &str) -> String {
+    frame.map_or_else(|| unnamed.to_owned(), |frame| format!("`{frame}`"))
+}
+
 fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
         Measured::new(
-            "direction of the long axis as published, agreement of the directions",
+            "constancy of the direction of the long axis as published (1: constant)",
             axes.constant,
             "1",
         )
         .samples(n),
         Measured::new(
-            "direction of the long axis minus the yaw, agreement of the directions",
+            "constancy of the direction of the long axis minus the yaw (1: constant)",
             axes.less_yaw,
             "1",
         )
         .samples(n),
-        Measured::new("ratio of the axes", axes.stretch, "1").at_least(limits.min_stretch),
+        Measured::new("long axis / short axis of the covariance", axes.stretch, "1").at_least(limits.min_stretch),
     ]
 }
 
@@ -99,15 +104,22 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
         return out.not_evaluated(subject, little, why);
     }
     let message = format!(
-        "`{}`: `twist.covariance` is expressed in world axes, not in the child frame",
-        stream.topic
+        "`{}`: `twist.covariance` is expressed in world axes, not in {} (axis ratio {:.1})",
+        stream.topic,
+        named(stream.child.as_ref(), "the child frame"),
+        axes.stretch
     );
     let finding = Finding::warning(subject, message, stream.place())
         .likely()
         .relation("in-world")
         .unless(codes::AXES08)
-        .detail("The long axis of its ellipse keeps its direction in the world and rotates in the child frame, in which the velocity is expressed (an agreement of 1 is a constant direction).")
-        .help("publish it in the child frame: `C_body = R^T C_world R` for both 3x3 blocks, with `R` the orientation of the pose");
+        .detail(
+            "The long axis of the published ellipse turns with the yaw of the platform. Expressed in the child frame, the \
+             direction would be constant.",
+        )
+        .help(
+            "rotate both 3x3 blocks into the child frame before publishing: `C_body = R^T C_world R`, with `R` the orientation of the pose",
+        );
     out.fail(finding.measured(measured));
 }
 
@@ -145,18 +157,29 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits:
         axes.constant > limits.along && axes.less_yaw < limits.across,
     );
     let all = measured(&axes, limits).into_iter().chain([
-        Measured::new("noise, longer over shorter axis in the frame", fixed.stretch, "1").samples(noise.count() as u64),
-        Measured::new("noise, longer over shorter axis in the body", body.stretch, "1").samples(noise.count() as u64),
+        Measured::new(
+            "long axis / short axis of the noise, in the axes of the header's frame",
+            fixed.stretch,
+            "1",
+        )
+        .samples(noise.count() as u64),
+        Measured::new(
+            "long axis / short axis of the noise, in the axes of the body",
+            body.stretch,
+            "1",
+        )
+        .samples(noise.count() as u64),
     ]);
+    let frame = named(stream.frame.as_ref(), "the header's frame");
     let (wrong, detail) = match (with_body, with_world, body_differs, world_differs) {
         (true, _, true, _) | (_, true, _, true) => return out.pass(&subject, all),
         (true, _, _, true) => (
-            "is expressed in body axes, not in its header's frame",
-            "The covariance keeps its axes while the platform turns; the noise of the poses rotates with the body.",
+            format!("expressed in body axes, not in {frame}"),
+            "The published ellipse keeps its direction while the platform turns, but the noise of the poses turns with the platform.",
         ),
         (_, true, true, _) => (
-            "is rotated by the orientation and must not be",
-            "The covariance rotates with the body; the noise of the poses keeps its axes.",
+            format!("rotated with the body, but the noise in {frame} is not"),
+            "The published ellipse turns with the platform, but the noise of the poses keeps its direction.",
         ),
         _ => {
             let why = format!(
@@ -167,13 +190,16 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits:
             return little(why, out);
         }
     };
-    let message = format!("`{}`: `pose.covariance` {wrong}", stream.topic);
+    let message = format!(
+        "`{}`: `pose.covariance` is {wrong} (axis ratio {:.1})",
+        stream.topic, axes.stretch
+    );
     let finding = Finding::warning(&subject, message, stream.place())
         .relation(if world_differs { "not-rotated" } else { "rotated-twice" })
         .help(if world_differs {
-            "express it in the header's frame: `C_world = R C_body R^T`, with `R` the orientation of the pose"
+            "rotate the covariance into the header's frame before publishing: `C_world = R C_body R^T`, with `R` the orientation of the pose"
         } else {
-            "publish the covariance of the position in the header's frame, without rotating it by the orientation"
+            "remove the rotation of the covariance by the orientation: the covariance of the position is right in the header's frame"
         })
         .detail(detail);
     // One matrix for all messages is hard-coded: its axes were probably not intended.

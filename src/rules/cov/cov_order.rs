@@ -10,8 +10,7 @@ use crate::world::motion::PoseRow;
 pub(crate) struct CovOrder;
 
 /// What to do.
-const SWAP: &str =
-    "swap the 3x3 blocks before publishing: ROS has translation, rotation; GTSAM's Pose3 has rotation, translation";
+const SWAP: &str = "swap the two diagonal 3x3 blocks, and the two others, before publishing: ROS has position first, GTSAM's Pose3 has rotation first";
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,14 +47,22 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limit
     };
     let (published, swapped) = (fit.miss(Reading::AsPublished), fit.miss(Reading::RotationFirst));
     let measured = [
-        Measured::new("factor to the noise, positions first", published, "1")
-            .limit(limits.loosely)
-            .samples(fit.poses),
-        Measured::new("factor to the noise, rotations first", swapped, "1")
-            .limit(limits.fits)
-            .samples(fit.poses),
         Measured::new(
-            "log-likelihood ratio per pose, rotations over positions first",
+            "largest factor between a variance and the noise, positions first (ROS)",
+            published,
+            "1",
+        )
+        .limit(limits.loosely)
+        .samples(fit.poses),
+        Measured::new(
+            "largest factor between a variance and the noise, rotations first",
+            swapped,
+            "1",
+        )
+        .limit(limits.fits)
+        .samples(fit.poses),
+        Measured::new(
+            "log-likelihood per pose, rotations first minus positions first",
             fit.order_ratio,
             "1",
         ),
@@ -75,14 +82,14 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limit
         });
     }
     let message = format!(
-        "`{}`: `pose.covariance` has rotations before positions (off by a factor of {published:.0} as published)",
+        "`{}`: `pose.covariance` has rotations before positions (variances up to {published:.0} times off)",
         stream.topic
     );
     let finding = Finding::warning(subject, message, stream.place())
         .relation("rotation-first")
         .detail(
-            "Read with rotations first, all variances (x and y, z, tilt, yaw) are near the noise from pose to pose; in the order of ROS \
-             one is off.",
+            "The variances were compared with the noise from pose to pose. With rotations first all of them (x and y, z, tilt, yaw) are \
+             near that noise, but in the order of ROS (positions first) not all of them are.",
         )
         .help(SWAP);
     let finding = if swapped <= limits.fits {
@@ -136,10 +143,10 @@ fn in_a_plane(
         .likely()
         .relation("rotation-first")
         .detail(format!(
-            "The poses move by {way_m:.1} m in x and y and never tilt, yet x and y are stated as exact, and roll and pitch are not."
+            "The poses move by {way_m:.1} m in x and y and never tilt. The matrices state zero variance for x and y, but not for roll and pitch."
         ))
         .help(SWAP)
-        .measured(Measured::new("distance in x and y", way_m, "m").limit(limits.way_m))
+        .measured(Measured::new("largest distance from the first pose in x and y", way_m, "m").at_least(limits.way_m))
         .measured(Measured::count(
             "matrices with zero variance of x and y, but not of roll and pitch",
             count,

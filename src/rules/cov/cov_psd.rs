@@ -59,8 +59,8 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
     out.pass(
         subject,
         [
-            Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
-            Measured::new("smallest eigenvalue over the largest number", *least, "1")
+            Measured::new("asymmetry / largest element", *asymmetry, "1").limit(limits.asymmetry),
+            Measured::new("smallest eigenvalue / largest element", *least, "1")
                 .at_least(limits.negative)
                 .samples(evidence.count),
         ],
@@ -120,8 +120,8 @@ fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
         severity: graded(*asymmetry, limits),
         words: format!("not symmetric, by {} of the largest element", share(*asymmetry)),
         detail: most_different(&at.values),
-        help: "write C[i][j] = C[j][i]: fill both halves, and check order and size of the matrix if the difference is large",
-        measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
+        help: "fill both halves of the matrix: C[i][j] = C[j][i]. If you fill both already, check the order of its elements and the length of a row",
+        measured: Measured::new("asymmetry / largest element", *asymmetry, "1").limit(limits.asymmetry),
         at,
     })
 }
@@ -166,14 +166,53 @@ fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fau
         .least_positive
         .as_ref()
         .filter(|(value, _)| *value < limits.negative)?;
+    let (detail, help) = impossible(&at.values);
     Some(Fault {
         severity: graded(-least, limits),
         words: format!("negative eigenvalue, {} of the largest element", share(*least)),
-        detail: String::new(),
-        help: "check for covariances larger than their variances allow, variances of zero beside them, or rounding",
-        measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").at_least(limits.negative),
+        detail,
+        help,
+        measured: Measured::new("smallest eigenvalue / largest element", *least, "1").at_least(limits.negative),
         at,
     })
+}
+
+/// The element that makes an eigenvalue of a symmetric matrix negative, in words, and what to do: a negative variance, or the covariance
+/// that exceeds its variances most.
+fn impossible(values: &[f64]) -> (String, &'static str) {
+    let size = values.len().isqrt();
+    let at = |row: usize, col: usize| values.get(row * size + col).copied().unwrap_or(0.0);
+    if let Some(axis) = (0..size).find(|axis| at(*axis, *axis) < 0.0) {
+        return (
+            format!(
+                "C[{axis}][{axis}] = {} is a variance, and must not be negative.",
+                brief(at(axis, axis))
+            ),
+            "correct that variance (0 or more), or publish all zeros where the covariance is unknown",
+        );
+    }
+    let allowed = |row: usize, col: usize| (at(row, row) * at(col, col)).sqrt();
+    let excess = |(row, col): &(usize, usize)| at(*row, *col).abs() - allowed(*row, *col);
+    let pairs = (0..size).flat_map(|row| (0..row).map(move |col| (row, col)));
+    match pairs
+        .filter(|pair| excess(pair) > 0.0)
+        .max_by(|a, b| excess(a).total_cmp(&excess(b)))
+    {
+        Some((row, col)) => (
+            format!(
+                "C[{col}][{row}] = {}, but the variances C[{col}][{col}] = {} and C[{row}][{row}] = {} allow at most {} (root of their product).",
+                brief(at(col, row)),
+                brief(at(col, col)),
+                brief(at(row, row)),
+                brief(allowed(row, col))
+            ),
+            "correct that covariance or its variances, or set all elements off the diagonal to 0",
+        ),
+        None => (
+            "No element alone is impossible: the covariances together exceed what the variances allow.".to_owned(),
+            "set all elements off the diagonal to 0, or publish the covariance of the estimator without rounding",
+        ),
+    }
 }
 
 fn graded(size: f64, limits: &Limits) -> Severity {

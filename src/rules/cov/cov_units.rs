@@ -98,11 +98,11 @@ fn judge_angles(
                 middle.sqrt()
             ))
             .help(format!(
-                "divide the variances of angles by {DEG2_PER_RAD2:.1} where they are published (deg^2 to rad^2)"
+                "divide the variances of the angles by {DEG2_PER_RAD2:.1} (deg^2 to rad^2) before they are published"
             ));
         return out.fail(
             finding.measured(
-                Measured::new("variance of an angle", middle, "rad2")
+                Measured::new(format!("variance of the angle about {name} (median)"), middle, "rad2")
                     .limit(limits.unknown_rad2)
                     .samples(evidence.count),
             ),
@@ -127,6 +127,9 @@ fn judge_angles(
     }
 }
 
+/// What decides on the units.
+const PUBLISHED: &str = "largest factor between variance and noise, as published";
+
 fn judge_noise(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("units of `pose.covariance` on {}", stream.subject);
     let fit = match Fit::of(stream, declared, limits.min_poses) {
@@ -136,7 +139,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
     let published = fit.miss(Reading::AsPublished);
     let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
     if published <= limits.fits {
-        return out.pass(subject, [factor("factor to the noise, m^2 and rad^2", published)]);
+        return out.pass(subject, [factor(PUBLISHED, published)]);
     }
     let best = fit
         .best(limits.fits, limits.margin)
@@ -186,11 +189,11 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
             .unless(codes::COV02)
             .relation(word)
             .detail(
-                "Read this way, every variance agrees with the noise from pose to pose. Read as variances in m^2 and rad^2, positions before \
-                 rotations, they do not.",
+                "The variances as published (m^2 and rad^2, positions before rotations) contradict the noise from pose to pose. After the \
+                 correction, every variance agrees with that noise.",
             )
             .help(help)
-            .measured(factor("factor to the noise, read this way", best))
-            .measured(factor("factor to the noise, m^2 and rad^2", published)),
+            .measured(factor(PUBLISHED, published))
+            .measured(Measured::new("largest factor between variance and noise, corrected", best, "1").samples(fit.poses)),
     );
 }

@@ -174,14 +174,9 @@ impl Loop<'_> {
         let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
         let sigmas = sigmas(&closure, limits);
         let measured = [
-            Measured::new("residual angle", angle_deg, "deg").turn(),
-            Measured::new("residual distance", distance_m, "m"),
-            Measured::new(
-                "residual as a multiple of that of three usual calibrations",
-                sigmas,
-                "1",
-            )
-            .limit(limits.warn_sigmas),
+            Measured::new("residual rotation of the loop", angle_deg, "deg").turn(),
+            Measured::new("residual distance of the loop", distance_m, "m"),
+            Measured::new("residual / expected error of three calibrations", sigmas, "1").limit(limits.warn_sigmas),
         ];
         if sigmas <= limits.warn_sigmas {
             return out.pass(subject, measured);
@@ -199,7 +194,7 @@ impl Loop<'_> {
         let (detail, place, relation) = match culprits.as_slice() {
             [(culprit, relation)] => (
                 format!(
-                    "The loop closes if one error in {} is corrected. {}",
+                    "The loop closes if this error in {} is corrected: {}",
                     culprit.who,
                     relation.describe()
                 ),
@@ -212,7 +207,10 @@ impl Loop<'_> {
                     .iter()
                     .map(|(culprit, relation)| format!("{} ({})", culprit.who, relation.word()))
                     .collect();
-                let detail = format!("The loop closes if one of these is corrected: {}.", named.join(", "));
+                let detail = format!(
+                    "The loop closes if one of these errors is corrected: {}.",
+                    named.join(", ")
+                );
                 (detail, first.place.clone(), None)
             }
         };
@@ -234,7 +232,8 @@ impl Loop<'_> {
             finding = finding.confidence(reading);
         }
         if self.closes_reversed(limits) {
-            let detail = "The loop closes if the keys of the file mean the other direction.";
+            let detail =
+                "The loop closes if all keys of the file are meant in the opposite direction; then nothing is wrong.";
             finding = finding.hint().detail(detail);
         }
         // That two files mean the same sensor by `lidar` is a guess; within one file it is certain.

@@ -26,42 +26,39 @@ impl Rule for ExtrinsicDirection {
 fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("direction of the mounting");
     let (published, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
-    let is_inverted = seen.decided == Some(Reading::Inverse);
-    // The limit is one of the reading that is right.
-    let residual = |what: &str, value: f64, is_right: bool| {
-        let measured = Measured::new(format!("residual of the motions, {what}"), value, "m").samples(seen.pairs as u64);
-        if is_right {
-            measured.limit(limits.max_residual_m)
-        } else {
-            measured
-        }
-    };
-    let measured = [
-        residual("as stated", published, !is_inverted),
-        residual("inverted", inverse, is_inverted),
-    ];
+    let [by_published, by_inverse] =
+        [("as published", published), ("with the inverse", inverse)].map(|(what, value)| {
+            Measured::new(format!("disagreement of the motions, {what}"), value, "m").samples(seen.pairs as u64)
+        });
     let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
     match seen.decided {
-        Some(Reading::AsPublished) => out.pass(subject, measured),
+        Some(Reading::AsPublished) => out.pass(subject, [by_published.limit(limits.max_residual_m), by_inverse]),
         Some(Reading::Inverse) => {
+            let edge = format!("`{}` -> `{}`", seen.known.body, seen.known.lidar);
             let message =
-                format!("`{name}` is inverted: residual {published:.2} m as stated, {inverse:.2} m with its inverse");
+                format!("{edge} is inverted: motions disagree by {published:.2} m, by {inverse:.2} m with the inverse");
             let finding = Finding::error(subject, message, clouds.place())
                 .likely()
                 .detail(format!(
-                    "Compared the motion of the scans on `{}` with {} over both transforms.",
+                    "The motion of the scans on `{}` was compared with that of {}, once with the transform as published and once with its inverse.",
                     clouds.topic.topic, seen.known.poses.0
                 ))
                 .relation("inverse")
                 .related(seen.known.poses.1.clone(), "motion of the body")
-                .help("invert the transform where it is stated: a joint, or a transform of TF, is the pose of the child in its parent")
+                .help(format!(
+                    "invert {edge} where it is written or published: in URDF and TF, a transform is the pose of the child in its parent"
+                ))
                 .prefers(
                     seen.known.body.to_string(),
                     seen.known.lidar.to_string(),
                     seen.known.stated.inverse(),
                 );
             let mounting = [&seen.known.body, &seen.known.lidar];
-            out.fail(with_mounting(world, mounting, finding.measured(measured)));
+            out.fail(with_mounting(
+                world,
+                mounting,
+                finding.measured([by_published, by_inverse]),
+            ));
         }
         Some(_) => {
             out.not_applicable(

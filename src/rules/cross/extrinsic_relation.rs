@@ -112,14 +112,18 @@ fn finding(
     let [other, reference] = pair.names(world);
     let message = format!("{other} {}", relation.relates_to(&reference));
     let mut detail = format!(
-        "{} This error explains the difference to {:.2} deg and {:.3} m.",
+        "{} {} With this error undone they differ by {:.2} deg and {:.3} m.",
         pair.frames_stated(),
+        relation.describe(),
         found.residual_angle_rad.to_degrees(),
         found.residual_m
     );
     let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
     if !also.is_empty() {
-        detail = format!("{detail} Indistinguishable here: {}.", also.join(", "));
+        detail = format!(
+            "{detail} Other known errors that explain it as well: {}.",
+            also.join(", ")
+        );
     }
     if relation == Relation::Degrees && holds_radians_twice(pair) {
         detail = format!("{detail} Or {reference} is wrong: its radians were converted once more.");
@@ -131,8 +135,7 @@ fn finding(
         );
     }
     let help = format!(
-        "find out which of the two is right, and use it in both{wants}. {}{}",
-        relation.describe(),
+        "find out which of the two describes the robot, and correct the other{wants}{}",
         same_cause(relation)
     );
     let [rotation, translation] = difference;
@@ -143,16 +146,16 @@ fn finding(
         .measured(rotation)
         .measured(translation)
         .measured(Measured::new(
-            "residual rotation",
+            "rotation difference with the error undone",
             without_noise(found.residual_angle_rad.to_degrees()),
             "deg",
         ))
         .measured(Measured::new(
-            "residual translation",
+            "translation difference with the error undone",
             without_noise(found.residual_m),
             "m",
         ))
-        .measured(Measured::count("relations that fit", found.class.len()))
+        .measured(Measured::count("known errors that explain it", found.class.len()))
 }
 
 /// The rule that may report the same fault from one source alone.
@@ -163,7 +166,7 @@ fn same_cause(relation: Relation) -> String {
         Relation::RotationLost | Relation::Optical | Relation::OpticalInverse => (codes::NAME06, "the same frame"),
         _ => return String::new(),
     };
-    format!(" If {rule} reports {what}, it is the same fault.")
+    format!(". If {rule} reports {what}, it is the same fault")
 }
 
 /// The relations that still fit, given how the statement is written and how many digits it has.

@@ -99,7 +99,7 @@ impl Rule for FrameAliases {
             }
             let are_all = asked_of.get(&suspicion.file) == Some(&alike);
             if suspicion.is_of_keys && suspicion.relation == Relation::Inverse && alike > 1 && are_all {
-                let detail = "All keys of the file are inverted alike: they may mean the other direction.";
+                let detail = "All keys of the file are inverted in this way, so perhaps they are meant in that direction, and nothing is wrong.";
                 suspicion.finding = suspicion.finding.hint().detail(detail);
             }
             out.fail(suspicion.finding);
@@ -268,7 +268,7 @@ fn proposal(
         .hint()
         .detail(format!("Their transform in {} is that of the robot.", world.path(claim.place.source)))
         .help(format!(
-            "confirm it in frames-lint.yaml: aliases: {{{}}}. Then the file is compared with the others at full confidence",
+            "confirm it in frames-lint.yaml, so that the file is compared with the others at full confidence:\naliases: {{{}}}",
             aliases(names, candidate)
         ))
 }
@@ -283,7 +283,7 @@ fn half_equal(
 ) -> Finding {
     let Candidate { target, source, .. } = candidate;
     let message = format!(
-        "`{}` is {:.2} deg and {:.3} m off `{target}` from `{source}` of the robot",
+        "`{}` differs from the robot's transform from `{source}` to `{target}` by {:.2} deg and {:.3} m",
         claim.label, candidate.off_deg, candidate.off_m
     );
     Finding::warning(subject, message, claim.place.clone())
@@ -295,8 +295,7 @@ fn half_equal(
             world.path(claim.place.source)
         ))
         .help(format!(
-            "if these are the frames, confirm them in frames-lint.yaml: transforms: [{{key: '{}', is: {target} from {source}}}], and correct \
-             the part that differs",
+            "correct the part that differs. If the assumed frames are right, confirm them in frames-lint.yaml:\ntransforms: [{{key: '{}', is: {target} from {source}}}]",
             claim.label
         ))
 }
@@ -309,7 +308,10 @@ fn suspicion(
     names: (&FrameId, &FrameId),
     candidate: &Candidate<'_>,
 ) -> Finding {
-    let right = format!("`{}` from `{}` of the robot", candidate.target, candidate.source);
+    let right = format!(
+        "the robot's transform from `{}` to `{}`",
+        candidate.source, candidate.target
+    );
     let message = format!("`{}` {}", claim.label, relation.relates_to(&right));
     Finding::error(subject, message, claim.place.clone())
         .likely()
@@ -324,7 +326,7 @@ fn suspicion(
             relation.describe()
         ))
         .help(format!(
-            "correct the convention in the file. If the names are right, confirm them in frames-lint.yaml: aliases: {{{}}}",
+            "correct the transform in the file. If the assumed names are right, confirm them in frames-lint.yaml:\naliases: {{{}}}",
             aliases(names, candidate)
         ))
 }

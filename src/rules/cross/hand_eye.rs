@@ -1,12 +1,12 @@
 //! CROSS05: a mounting transform compared with the one that the motions of lidar and body determine.
 
-use crate::advice::scale::wrong_scale;
+use crate::advice::{places::with_mounting, scale::wrong_scale};
 use crate::analysis::cross::hand_eye::{Limits, corrected, other_scale, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::PlanarMount;
 use crate::rules::prelude::*;
-use crate::world::FrameId;
+use crate::world::{FrameId, World};
 
 pub(crate) struct HandEyeCalibration;
 
@@ -31,7 +31,7 @@ impl Rule for HandEyeCalibration {
                 Ok((mounted, known)) => {
                     judge_scale(&clouds, &known, &mounted, limits, out);
                     match other_scale(&known, &mounted, limits) {
-                        None => judge_mounted(&clouds, &known, &mounted, limits, out),
+                        None => judge_mounted(world, (&clouds, &known), &mounted, limits, out),
                         Some(why) => {
                             for part in [YAW, PLACE] {
                                 out.too_little(clouds.subject(part), why.clone());
@@ -125,7 +125,13 @@ impl MountingError {
     }
 }
 
-fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: &Limits, out: &mut Judge) {
+fn judge_mounted(
+    world: &World,
+    (clouds, known): (&Clouds, &HandEye),
+    found: &PlanarMount,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let published = known.stated.translation.vector.xy();
     let off = found.place - published;
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
@@ -154,34 +160,30 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         }
         (true, false) => {
             place.judge(limits, out);
-            (
-                yaw.subject,
-                vec![yaw.measured],
-                format!("is missing a yaw of {yaw_deg:+.1} deg"),
-            )
+            let what = format!("is missing a yaw of {yaw_deg:+.1} deg");
+            (yaw.subject, vec![yaw.measured], what)
         }
         (false, true) => {
             yaw.judge(limits, out);
-            (
-                place.subject,
-                vec![place.measured],
-                format!("is {:.2} m off", off.norm()),
-            )
+            let what = format!("is off by {:.2} m", off.norm());
+            (place.subject, vec![place.measured], what)
         }
         (true, true) => {
             out.not_applicable(yaw.subject, "reported with the position of the mounting");
-            let what = format!("is missing a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm());
+            let what = format!(
+                "is missing a yaw of {yaw_deg:+.1} deg, and is off by {:.2} m",
+                off.norm()
+            );
             (place.subject, vec![yaw.measured, place.measured], what)
         }
     };
-    let message = format!("`{}_from_{}` {what}", known.body, known.lidar);
     let by = format!(
         "the motions of the scans on `{}` and of {}",
         clouds.topic.topic, known.poses.0
     );
     let detail = if moved {
         format!(
-            "By {by} the lidar is at x = {:.2} m, y = {:.2} m; the transform states {:.2} m, {:.2} m.",
+            "By {by} the lidar is at x = {:.2} m, y = {:.2} m; the transform states x = {:.2} m, y = {:.2} m.",
             found.place.x, found.place.y, published.x, published.y
         )
     } else {
@@ -196,19 +198,22 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
         let quarter = quarters.into_iter().find(|(_, deg)| is_near(*deg));
         (quarter.map_or("yaw", |(word, _)| word), detail)
     } else if is_inverse {
-        (
-            "inverse",
-            format!("{detail} The inverse of the transform has it there: it is probably inverted."),
-        )
+        ("inverse", format!("{detail} Its inverse states that place."))
     } else {
         ("moved", detail)
     };
+    let inverted = if relation == "inverse" {
+        "is probably inverted: it "
+    } else {
+        ""
+    };
+    let message = format!("`{}_from_{}` {inverted}{what}", known.body, known.lidar);
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .detail(detail)
         .related(known.poses.1.clone(), "motion of the body")
-        .help(help(&known.body, (turned && !moved).then_some(yaw_deg)))
+        .help(help(&known.body, relation, (turned && !moved).then_some(yaw_deg)))
         .prefers(
             known.body.to_string(),
             known.lidar.to_string(),
@@ -221,13 +226,19 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &PlanarMount, limits: 
     } else {
         finding
     };
-    out.fail(finding.measured(measured));
+    out.fail(with_mounting(
+        world,
+        [&known.body, &known.lidar],
+        finding.measured(measured),
+    ));
 }
 
 /// What to do about a mounting that misses a yaw alone, or about another one.
-fn help(body: &FrameId, yaw_deg: Option<f64>) -> String {
-    let add = yaw_deg.map_or_else(String::new, |deg| {
-        format!("add {deg:+.1} deg of yaw (about z of `{body}`) to the transform, or ")
-    });
-    format!("{add}calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
+fn help(body: &FrameId, relation: &str, yaw_deg: Option<f64>) -> String {
+    let first = match yaw_deg {
+        Some(deg) => format!("add {deg:+.1} deg of yaw (about z of `{body}`) to the transform, or "),
+        None if relation == "inverse" => "invert the transform, or ".to_owned(),
+        None => String::new(),
+    };
+    format!("{first}calibrate the mounting again; motion in a plane does not determine roll, pitch and height")
 }

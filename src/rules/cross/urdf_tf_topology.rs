@@ -47,29 +47,20 @@ fn judge_bag(
         .filter_map(|edge| Some((edge, *joints.get(&edge.child.canonical())?)))
         .collect();
     if shared.is_empty() {
-        return out.missing(
-            subject,
-            "no child frame of TF is a link of this robot: give the description that the recording was made with",
-        );
+        let why = "no child frame of TF is a link of this robot: give the description that the recording was made with";
+        return out.missing(subject, why);
     }
     let mut differing = 0;
     for (edge, joint) in &shared {
-        for finding in [parent_differs(bag, edge, joint), fixed_moves(bag, edge, joint, limits)]
-            .into_iter()
-            .flatten()
-        {
+        let findings = [parent_differs(bag, edge, joint), fixed_moves(bag, edge, joint, limits)];
+        for finding in findings.into_iter().flatten() {
             differing += 1;
             out.fail(finding);
         }
     }
     if differing == 0 {
-        out.pass(
-            subject,
-            [
-                Measured::count("edges that differ", 0).limit(0.0),
-                Measured::count("edges in both", shared.len()),
-            ],
-        );
+        let differ = Measured::count("edges that differ", 0).limit(0.0);
+        out.pass(subject, [differ, Measured::count("edges in both", shared.len())]);
     }
 }
 
@@ -83,18 +74,14 @@ fn parent_differs(bag: &BagEvidence, edge: &TfEdge, joint: &Joint) -> Option<Fin
         "the parent of `{}` is `{parent}` in TF, but `{}` in the URDF",
         edge.child, stated.value
     );
-    Some(
-        Finding::warning(
-            format!("frame `{}`", edge.child),
-            message,
-            Place::message(bag.source, edge.first_at.clone()),
-        )
+    let place = Place::message(bag.source, edge.first_at.clone());
+    let finding = Finding::warning(format!("frame `{}`", edge.child), message, place)
         .detail("With both published, tf2 uses the parent that came last.")
         .label(format!("parent `{parent}` on `{}`", edge.topic))
         .related(stated.place.clone(), format!("parent of joint `{}`", joint.name.value))
         .help("publish the frame from one source only, and correct the other")
-        .measured(Measured::count("parents stated", 2).limit(1.0)),
-    )
+        .measured(Measured::count("parents stated", 2).limit(1.0));
+    Some(finding)
 }
 
 fn fixed_moves(bag: &BagEvidence, edge: &TfEdge, joint: &Joint, limits: &Limits) -> Option<Finding> {
@@ -107,27 +94,16 @@ fn fixed_moves(bag: &BagEvidence, edge: &TfEdge, joint: &Joint, limits: &Limits)
         "joint `{}` is fixed, but `{}` moves on `{}` by up to {angle_deg:.2} deg, {distance_m:.3} m",
         joint.name.value, edge.child, edge.topic,
     );
-    Some(
-        Finding::warning(
-            format!("frame `{}`", edge.child),
-            message,
-            Place::message(bag.source, sample.at.clone()),
-        )
+    let rotation = Measured::new("rotation", angle_deg, "deg").limit(limits.moves_deg);
+    let translation = Measured::new("translation", *distance_m, "m").limit(limits.moves_m);
+    let place = Place::message(bag.source, sample.at.clone());
+    let finding = Finding::warning(format!("frame `{}`", edge.child), message, place)
         .label("differs most from the first transform")
         .related(
             joint.kind.place.clone(),
             format!("joint `{}` is fixed here", joint.name.value),
         )
         .help("give the joint its real type in the URDF, or stop the node that publishes a moving transform")
-        .measured(
-            Measured::new("rotation", angle_deg, "deg")
-                .limit(limits.moves_deg)
-                .samples(edge.count),
-        )
-        .measured(
-            Measured::new("translation", *distance_m, "m")
-                .limit(limits.moves_m)
-                .samples(edge.count),
-        ),
-    )
+        .measured([rotation, translation].map(|moved| moved.samples(edge.count)));
+    Some(finding)
 }

@@ -16,12 +16,10 @@ impl PolicyRule for CommentNotUnderstood {
         }
         for comment in misspelt {
             let subject = format!("comment `frames-lint: {}`", comment.text);
-            let message = format!("a `frames-lint:` comment has no effect: {}", comment.fault);
+            let message = format!("`frames-lint:` comment has no effect: {}", comment.fault);
             out.fail(
                 Finding::warning(subject, message, comment.place.clone())
-                    .help(
-                        "write `frames-lint: allow RULE reason`, or `frames-lint: allow RULE until 2027-01-31 reason`",
-                    )
+                    .help(comment.help)
                     .measured(Measured::count("faults of the comment", 1).limit(0.0)),
             );
         }

@@ -19,14 +19,21 @@ impl PolicyRule for ExpiredWaiver {
                 continue;
             }
             let message = format!(
-                "{} expired after {}: its findings count again",
+                "{} has expired: its last day was {}, {days} d ago",
                 crate::advice::waiver::opening(waiver),
                 until.as_str()
             );
+            let (kind, rule) = (waiver.kind.word(), &waiver.rule);
             out.fail(
                 Finding::warning(subject, message, waiver.place.clone())
-                    .label(format!("reason: {}", waiver.reason))
-                    .help("fix what it accepted, or write a later day and a reason that is still valid")
+                    .label("expired")
+                    .detail(format!(
+                        "Findings that this {kind} accepted count again. The reason was \"{}\".",
+                        waiver.reason
+                    ))
+                    .help(format!(
+                        "fix the findings of {rule} that this {kind} accepted, or write a later last day and a reason that still holds"
+                    ))
                     .measured(past),
             );
         }

@@ -20,10 +20,12 @@ impl PolicyRule for UnusedWaiver {
                 let message = format!("{} matches no finding", crate::advice::waiver::opening(waiver));
                 out.fail(
                     Finding::warning(subject, message, waiver.place.clone())
-                        .label(format!("reason: {}", waiver.reason))
-                        .help(
-                            "remove it: what it accepted is fixed or renamed, and it would hide the next fault of this kind",
-                        )
+                        .label("matches nothing")
+                        .detail("The fault that was accepted is fixed, or its subject has another name now.")
+                        .help(format!(
+                            "delete the {}: it would hide the next fault of this kind",
+                            waiver.kind.word()
+                        ))
                         .measured(matched),
                 );
             }

@@ -70,15 +70,19 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             continue;
         }
         let measured = [
-            Measured::new("height minus the other height", apart.median_m, "m")
-                .spread(apart.spread_m)
-                .limit(limits.max_off_m)
-                .samples(apart.samples as u64),
+            Measured::new(
+                format!("height on `{}` minus height on `{}`", heights.topic, other.topic),
+                apart.median_m,
+                "m",
+            )
+            .spread(apart.spread_m)
+            .limit(limits.max_off_m)
+            .samples(apart.samples as u64),
             Measured::new("geoid undulation (EGM96)", undulation_m, "m"),
         ];
         match (relation(apart, undulation_m, limits), other.datum) {
             (Relation::FirstAtSea, _) => {
-                let finding = at_sea(&subject, heights, other, apart, undulation_m);
+                let finding = at_sea(&subject, heights, other, apart, undulation_m, limits);
                 return out.fail(finding.measured(measured));
             }
             (Relation::Same, Datum::Known) | (Relation::SecondAtSea, Datum::Claimed | Datum::Unknown) => {
@@ -86,7 +90,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             }
             (Relation::SecondAtSea, Datum::Map) => {
                 let of_map = format!("height of {}", other.subject);
-                let finding = at_sea(&of_map, other, heights, negated(apart), undulation_m);
+                let finding = at_sea(&of_map, other, heights, negated(apart), undulation_m, limits);
                 out.fail(finding.measured(measured.iter().cloned()));
                 return out.pass(subject, measured);
             }
@@ -125,12 +129,25 @@ fn negated(apart: HeightGap) -> HeightGap {
 }
 
 /// The heights of `low` lack the undulation that those of `sound` have.
-fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: HeightGap, undulation_m: f64) -> Finding {
+fn at_sea(
+    subject: &str,
+    low: &Heights,
+    sound: &Heights,
+    apart: HeightGap,
+    undulation_m: f64,
+    limits: &Limits,
+) -> Finding {
     let low_or_high = if apart.median_m < 0.0 { "low" } else { "high" };
-    let (what, detail, help) = if low.datum == Datum::Map {
+    let known = format!(
+        "The difference is that between mean sea level and the WGS 84 ellipsoid, the geoid undulation of {undulation_m:.2} m ({:.2} m \
+         remain, limit {} m).",
+        (apart.median_m + undulation_m).abs(),
+        limits.max_off_m
+    );
+    let (what, is, help) = if low.datum == Datum::Map {
         (
             "the map's origin",
-            "Its height is probably one above mean sea level: the difference is the geoid undulation. `earth` (REP-105) needs heights above the WGS 84 ellipsoid.",
+            "The origin is probably at a height above mean sea level, but `earth` (REP-105) requires heights above the ellipsoid.",
             format!(
                 "add the geoid undulation ({undulation_m:.2} m) to the origin's height where `earth` -> `map` is published"
             ),
@@ -138,7 +155,7 @@ fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: HeightGap, undul
     } else {
         (
             "the altitude",
-            "It is probably one above mean sea level: the difference is the geoid undulation. `NavSatFix` defines altitude above the WGS 84 ellipsoid.",
+            "The altitude is probably above mean sea level, but `NavSatFix` requires the altitude above the ellipsoid.",
             format!("publish `altitude = height above mean sea level + geoid separation` ({undulation_m:+.2} m here)"),
         )
     };
@@ -151,7 +168,8 @@ fn at_sea(subject: &str, low: &Heights, sound: &Heights, apart: HeightGap, undul
     Finding::warning(subject, message, low.place.clone())
         .likely()
         .relation("msl-as-ellipsoidal")
-        .detail(detail)
+        .detail(known)
+        .detail(is)
         .related(sound.place.clone(), "compared with this height")
         .help(help)
 }

@@ -49,7 +49,7 @@ fn judge_one(stated: &EarthPose, limits: &Limits, out: &mut Judge) {
         Measured::new("tilt from east, north, up", worst.tilt_deg, "deg")
             .turn()
             .limit(limits.warning_deg.max(excused)),
-        Measured::new("rotation about up", worst.yaw_deg, "deg").turn(),
+        Measured::new("angle of x from east towards north", worst.yaw_deg, "deg"),
     ];
     if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
         return out.pass(subject, measured);
@@ -73,38 +73,41 @@ fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Findi
     let (relation, because) = match errors.first() {
         _ if seen.is_inverse => (
             Some("inverse"),
-            format!("the transform is inverted: `{local}` and `{earth}` are exchanged"),
+            format!("inverted, `{local}` and `{earth}` are exchanged"),
         ),
         Some(EarthTurn::Ned) if is_ned => (Some("ned-enu"), "the axes are east, north, up".to_owned()),
         Some(error) => (Some(error.word()), error.describe().to_owned()),
-        None => (None, "not level; no known error explains it".to_owned()),
+        None => (None, "no known error explains that".to_owned()),
     };
-    let others: Vec<&str> = errors.iter().skip(1).map(|error| error.word()).collect();
+    let others: Vec<&str> = errors.iter().skip(1).map(|error| error.describe()).collect();
     let class = if others.is_empty() {
         String::new()
     } else {
-        format!(" Indistinguishable here: {}.", others.join(", "))
+        format!(" Other errors that give the same rotation here: {}.", others.join("; "))
     };
     let (axes, short) = if is_ned {
         ("north, east, down", "NED")
     } else {
         ("east, north, up", "ENU")
     };
+    let heights = if seen.tilt_deg < 90.0 {
+        let wrong_m = 1e3 * seen.tilt_deg.to_radians().sin();
+        format!(" At 1 km from the origin, heights are wrong by up to {wrong_m:.1} m.")
+    } else {
+        String::new()
+    };
     let (message, detail) = if seen.is_inverse {
         (
             format!("{}: {because}", stated.subject),
-            format!("As stated, the origin of `{local}` would be under the south pole."),
+            format!("As written, the origin of `{local}` would be under the south pole."),
         )
     } else {
         (
             format!(
-                "{}: {because} (tilt {:.2} deg from {short})",
+                "{}: tilted {:.2} deg from {short}: {because}",
                 stated.subject, seen.tilt_deg
             ),
-            format!(
-                "The origin is at latitude {latitude:.5}, longitude {longitude:.5}. At 1 km from it, the tilt makes an error of {:.1} m in height.{class}",
-                1e3 * seen.tilt_deg.to_radians().sin()
-            ),
+            format!("The origin of `{local}` is at latitude {latitude:.5}, longitude {longitude:.5}.{heights}{class}"),
         )
     };
     let severity = if seen.tilt_deg > limits.error_deg || seen.is_inverse {
@@ -114,14 +117,16 @@ fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Findi
     };
     let [x, y, z, w] = expected(&seen.origin, is_ned);
     let verb = if seen.is_inverse {
-        "invert the transform"
+        "invert the transform:"
     } else {
-        "correct the rotation"
+        "correct the rotation:"
     };
     let help = format!(
-        "{verb}: `{earth}_from_{local}` with the axes {axes} has the quaternion x y z w = [{x:.9}, {y:.9}, {z:.9}, {w:.9}]"
+        "{verb} `{earth}` -> `{local}` has the quaternion x y z w = [{x:.9}, {y:.9}, {z:.9}, {w:.9}] with the axes {axes}"
     );
-    let mut finding = Finding::new(severity, &stated.subject, message, seen.place.clone())
+    let rotation = stated.rotation_place.as_ref().filter(|_| !seen.is_inverse);
+    let place = rotation.unwrap_or(seen.place).clone();
+    let mut finding = Finding::new(severity, &stated.subject, message, place)
         .detail(detail)
         .help(help);
     // A tilt that no error explains may have been measured: the map itself is tilted.

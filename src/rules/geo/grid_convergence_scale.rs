@@ -136,21 +136,25 @@ fn is_meant(frame: Option<&FrameId>, grid: &Grid, limits: &Limits) -> bool {
 
 fn measured(grid_fit: &GridFit, points: u64, limits: &Limits) -> Vec<Measured> {
     let mut all = vec![
-        Measured::new("rotation from east, north", grid_fit.fit.angle_rad.to_degrees(), "deg")
-            .spread(grid_fit.deviations.0.to_degrees())
-            .samples(points),
-        Measured::new("scale from east, north", grid_fit.fit.scale, "1")
+        Measured::new(
+            "rotation of the poses from ENU",
+            grid_fit.fit.angle_rad.to_degrees(),
+            "deg",
+        )
+        .spread(grid_fit.deviations.0.to_degrees())
+        .samples(points),
+        Measured::new("scale of the poses from ENU", grid_fit.fit.scale, "1")
             .spread(grid_fit.deviations.1)
             .samples(points),
     ];
     if let Some(grid) = grid_fit.grids.first() {
         let (angle, scale) = grid_fit.beside(grid);
         all.push(
-            Measured::new("rotation from the UTM grid", angle.to_degrees(), "deg")
+            Measured::new("rotation of the poses from the UTM grid", angle.to_degrees(), "deg")
                 .turn()
                 .limit(limits.max_angle_deg),
         );
-        all.push(Measured::new("scale from the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
+        all.push(Measured::new("scale of the poses from the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
     }
     all
 }
@@ -170,14 +174,20 @@ fn finding(
         "{}: `{frame}` is the grid of UTM zone {}, not ENU: rotated by {angle:.3} deg, scaled by {:.5}",
         poses.subject, grid.zone, grid_fit.fit.scale
     );
+    let clockwise = if of_grid > 0.0 {
+        "clockwise"
+    } else {
+        "counter-clockwise"
+    };
     let aside = 1e3 * grid.fit.angle_rad.sin().abs();
     let longer = 1e3 * (grid.fit.scale - 1.0);
     let detail = format!(
-        "Fitted to the fixes on `{}` from {from:.0} to {to:.0} s, +- {:.3} deg and {:.5}; the grid is rotated by {of_grid:.3} deg and \
-         scaled by {:.5} here, ENU by 0 and 1. Headings from true north are off by {of_grid:.2} deg in this frame, and over 1 km a \
-         point is {aside:.1} m to the side and {longer:+.2} m along.",
+        "Measured against `{}` from {from:.0} to {to:.0} s: {angle:.3} +- {:.3} deg, scale {:.5} +- {:.5}. Expected at this place: \
+         {of_grid:.3} deg and {:.5} in the UTM grid, 0 deg and 1 in ENU. In `{frame}`, headings from true north are off by \
+         {of_grid:.2} deg, and a point at 1 km is off by {aside:.1} m sideways and {longer:+.2} m in distance.",
         fixes.topic,
         grid_fit.deviations.0.to_degrees(),
+        grid_fit.fit.scale,
         grid_fit.deviations.1,
         grid.fit.scale,
     );
@@ -187,8 +197,9 @@ fn finding(
         .detail(detail)
         .related(fixes.place(), "the fixes")
         .help(format!(
-            "use a local tangent plane (`use_local_cartesian` of navsat_transform), or rotate the positions by {:.4} deg and divide \
-             them by {:.6}; if a grid is intended, put `utm` into the frame's name",
-            -of_grid, grid.fit.scale
+            "do one of these:\n(1) navsat_transform: set `use_local_cartesian: true`\n(2) another program: rotate the positions by {:.4} deg \
+             {clockwise} and divide by {:.6}\n(3) the grid is intended: put `utm` into the name of `{frame}`",
+            of_grid.abs(),
+            grid.fit.scale
         ))
 }

@@ -35,7 +35,7 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
         (
             &fixes.out_of_range,
             "are out of range",
-            "publish degrees, latitude first",
+            "publish degrees (WGS 84): the latitude is within +-90, the longitude within +-180",
         ),
         (
             &fixes.null_island,
@@ -52,21 +52,24 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
         let is_error = *count as f64 > limits.error_share * with_fix as f64;
         let severity = if is_error { Severity::Error } else { Severity::Warning };
         let meant = meant(first, limits);
-        let perhaps = meant.map_or_else(String::new, |Reading { words, .. }| format!(": probably {words}"));
+        let perhaps = meant.map_or_else(String::new, |Reading { words, .. }| format!("; probably {words}"));
         let message = format!("{subject}: {count} of {with_fix} positions {what}{perhaps}");
         let place = Place::message(bag.source, first.at.clone());
-        let finding = Finding::new(severity, subject, message, place).help(help).measured(
-            Measured::new("positions", *count as f64, "count")
+        let finding = Finding::new(severity, subject, message, place).measured(
+            Measured::new(format!("positions that {what}"), *count as f64, "count")
                 .limit(limits.max_wrong)
                 .samples(with_fix),
         );
-        let valid = "Their status states a valid fix (>= 0).";
+        let published = format!(
+            "The first of them is published as latitude {:.5}, longitude {:.5}, with a valid fix (status >= 0).",
+            first.latitude_deg, first.longitude_deg
+        );
         out.fail(match meant {
-            Some(Reading { relation, meant, .. }) => finding.relation(relation).detail(format!(
-                "{valid} Corrected, the first position is {:.5}, {:.5}.",
-                meant.0, meant.1
+            Some(way) => finding.relation(way.relation).help(way.help).detail(format!(
+                "{published} Corrected: latitude {:.5}, longitude {:.5}.",
+                way.meant.0, way.meant.1
             )),
-            None => finding.detail(valid),
+            None => finding.help(help).detail(published),
         });
     }
     let Some(position) = middle(fixes).filter(|_| sound) else {
@@ -93,28 +96,21 @@ fn misreading(
         Some(first) => Place::message(bag.source, first.at.clone()),
         None => Place::whole(bag.source),
     };
-    let (probably, detail) = match other {
-        Some(other) => (
-            "",
-            format!("Corrected, it agrees with `{other}`; otherwise `{other}` itself is wrong."),
-        ),
-        None => (
-            "probably ",
-            "As published, the position is in the Gulf of Guinea. A second receiver would confirm the unit.".to_owned(),
-        ),
-    };
+    let probably = if other.is_some() { "" } else { "probably " };
     let message = format!(
         "{subject}: {probably}{} (latitude {:.5}, longitude {:.5})",
         way.words, position.0, position.1
     );
     let finding = Finding::error(subject, message, place)
         .relation(way.relation)
-        .detail(detail)
-        .help("publish latitude and longitude in degrees (WGS 84), each in its own field")
+        .help(way.help)
         .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count));
-    if other.is_some() {
-        finding.likely()
-    } else {
-        finding.hint()
+    match other {
+        Some(other) => finding.likely().detail(format!(
+            "Corrected, the position agrees with `{other}`. If the published position is right, `{other}` is wrong."
+        )),
+        None => finding
+            .hint()
+            .detail("As published, the position is in the Gulf of Guinea. A second receiver would confirm the unit."),
     }
 }

@@ -115,32 +115,52 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     } else {
         Severity::Warning
     };
-    let message = if reference.who == other.who {
-        let [one, two] = [reference, other].map(|origin| world.path(origin.place.source));
-        format!("`{one}` and `{two}` put the origin {distance_m:.2} m apart")
+    let [one, two] = if reference.who == other.who {
+        [reference, other].map(|origin| format!("`{}`", world.path(origin.place.source)))
     } else {
-        format!(
-            "{} and {} put the origin {distance_m:.2} m apart",
-            reference.who, other.who
-        )
+        [reference, other].map(|origin| origin.who.clone())
+    };
+    // The one above mean sea level is below the other where the undulation is positive.
+    let low = geoid_m.map(|n| {
+        if apart.z * n < 0.0 {
+            (&two, &one, reference)
+        } else {
+            (&one, &two, other)
+        }
+    });
+    let message = match low {
+        Some((low, ..)) => format!(
+            "{low}: origin height is above mean sea level, {:.2} m off the ellipsoidal one",
+            apart.z.abs()
+        ),
+        None => format!("{one} and {two} put the origin {distance_m:.2} m apart"),
     };
     let detail = format!(
-        "{} has {}, {} has {}{}.{}",
+        "The first origin, {}, is {}. The second, {}, is {}.{}{}",
         named(reference),
         position_text(reference),
         named(other),
         position_text(other),
-        direction(&apart),
+        direction(&apart, "the second"),
         geoid_m.map_or(String::new(), |n| format!(
-            " They differ in height alone, by the geoid undulation here ({n:.1} m): one height is above mean sea level."
+            " Height above the ellipsoid = height above mean sea level + geoid undulation ({n:.1} m here)."
         ))
     );
-    let help = if by_track {
-        "state the origin that the map was made with, or express the poses in that map: over the fixes they contradict this origin"
-    } else if two_drives {
-        "save the origin once and load it on every drive: a map made on one drive is shifted on the other"
-    } else {
-        "keep the origin in one file that everything reads: the one that the map was made with"
+    let help = match low {
+        Some((low, by, right)) => format!(
+            "give {low} the height above the ellipsoid, {:.2} m, as {by} has it",
+            right.at.height_m
+        ),
+        None if two_drives => {
+            "save the origin once and load it on every drive: a map made on one drive is shifted on the other"
+                .to_owned()
+        }
+        None if other.by == OriginSource::Track => format!(
+            "make the stated origin and the poses agree:\n(1) if the poses are right, state the origin that they have over the fixes, \
+             {}\n(2) if the stated origin is right, express the poses in its map",
+            position_text(other)
+        ),
+        None => "write the origin that the map was made with at both places, or let both read one file".to_owned(),
     };
     // Files of one folder may be for two sites, and nothing shows which of them is used.
     let files_alone = matches!(
@@ -154,7 +174,8 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     };
     let mut finding = Finding::new(severity, subject, message, other.place.clone())
         .confidence(other.reading.min(reference.reading).min(ceiling))
-        .related(reference.place.clone(), "the other origin")
+        .related(reference.place.clone(), "the first origin")
+        .label("the second origin")
         .detail(detail)
         .help(help);
     if geoid_m.is_some() {

@@ -11,8 +11,8 @@ use crate::world::motion::PoseRow;
 pub(crate) struct TangentPlaneRange;
 
 /// What to do where z is no altitude.
-const CONVERT: &str = "where it meets altitudes (fixes, elevation maps), convert latitude, longitude and altitude together to east, north, up at the \
-     origin (GeographicLib: LocalCartesian); subtracting the altitude of the origin is not enough";
+const CONVERT: &str = "where z is compared with altitudes (fixes, elevation maps), convert latitude, longitude and altitude together to east, north, up \
+     (GeographicLib: LocalCartesian), instead of subtracting the altitude of the origin";
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,9 +68,19 @@ impl Rule for TangentPlaneRange {
 
 fn measured(distance_m: f64, departure_m: f64, tilt_deg: f64, limits: &Limits) -> [Measured; 3] {
     [
-        Measured::new("distance from the origin", distance_m, "m"),
-        Measured::new("departure of the plane from the ellipsoid", departure_m, "m").limit(limits.max_departure_m),
-        Measured::new("tilt of the plane's up axis", tilt_deg, "deg").limit(limits.max_tilt_deg),
+        Measured::new("largest distance of the positions from the origin", distance_m, "m"),
+        Measured::new(
+            "height of the plane above the ellipsoid at that distance",
+            departure_m,
+            "m",
+        )
+        .limit(limits.max_departure_m),
+        Measured::new(
+            "angle of the plane's z axis to the vertical at that distance",
+            tilt_deg,
+            "deg",
+        )
+        .limit(limits.max_tilt_deg),
     ]
 }
 
@@ -100,32 +110,37 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
     let heights = plane
         .curvature
         .as_ref()
-        .map(|(curvature, who)| (curvature.follows(limits.sigmas, limits.share), who));
+        .map(|(curvature, who, at)| (curvature.follows(limits.sigmas, limits.share), who, at));
     let (local, km) = (plane.local, distance_m / 1e3);
-    let is_open = plane.has_poses && !matches!(heights, Some((HeightModel::Plane | HeightModel::Altitude, _)));
+    let is_open = plane.has_poses && !matches!(heights, Some((HeightModel::Plane | HeightModel::Altitude, ..)));
     let finding = match heights {
-        Some((HeightModel::Altitude, poses)) if departure_m > limits.max_departure_m => {
+        Some((HeightModel::Altitude, poses, at)) if departure_m > limits.max_departure_m => {
             let message = format!(
-                "{poses}: z is altitude, not height over the plane of `{local}`: {departure_m:.2} m off at {km:.1} km"
+                "{poses}: z is altitude, not height above the plane of `{local}`: {departure_m:.2} m too high at {km:.1} km"
             );
             Finding::warning(plane.subject, message, plane.place.clone())
                 .likely()
                 .relation("altitude-as-z")
                 .detail(format!(
-                    "{} makes x, y, z a tangent plane: in it, altitudes are too high far from the origin.",
+                    "By {}, x, y, z are east, north, up of a tangent plane. Far from the origin the Earth falls below this \
+                     plane, so an altitude is too large for z.",
                     plane.subject
                 ))
-                .help("convert fixes to the tangent plane in all three coordinates (east, north, up), or ignore the heights of the map")
+                .related(at.clone(), "poses whose z is altitude")
+                .help(
+                    "compute z as `up` of the conversion to east, north, up (GeographicLib: LocalCartesian), not as the altitude \
+                     minus that of the origin",
+                )
         }
         _ if tilt_deg > limits.max_tilt_deg => {
             let message = format!(
-                "{}: used {km:.1} km from its origin: z is {tilt_deg:.2} deg off the vertical",
+                "{}: used {km:.1} km from the origin, where z is {tilt_deg:.2} deg off the vertical",
                 plane.subject
             );
             Finding::warning(plane.subject, message, plane.place.clone())
                 .relation("far-from-origin")
                 .detail(format!(
-                    "{who} is that far out; the plane is {departure_m:.1} m above the ellipsoid there."
+                    "The farthest positions are those of {who}. At that distance the plane is {departure_m:.1} m above the ellipsoid."
                 ))
                 .help(format!(
                     "put the origin of `{local}` near the place of use, or split the area into maps with an origin each"
@@ -140,7 +155,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
             } else {
                 (
                     "differs",
-                    "The tangent plane is above the ellipsoid there: its z is no altitude.",
+                    "At that distance the tangent plane is above the ellipsoid, so z is no altitude.",
                 )
             };
             let message = format!(
@@ -149,7 +164,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
             );
             Finding::note(plane.subject, message, plane.place.clone())
                 .relation("tangent-plane")
-                .detail(format!("{who} is that far out. {detail}"))
+                .detail(format!("The farthest positions are those of {who}. {detail}"))
                 .help(CONVERT)
         }
         _ if departure_m > limits.max_departure_m && is_open => {
@@ -161,7 +176,9 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         }
         _ => return out.pass(plane.subject, measured),
     };
-    out.fail(finding.measured(measured));
+    // An angle within its limit is no evidence.
+    let shown = if tilt_deg > limits.max_tilt_deg { 3 } else { 2 };
+    out.fail(finding.measured(measured.into_iter().take(shown)));
 }
 
 fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
@@ -189,14 +206,15 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
         Some(HeightModel::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
         Some(HeightModel::Plane) => {
             let message = format!(
-                "{subject}: z is up in a tangent plane, {departure_m:.2} m below altitude at {:.1} km",
+                "{subject}: z is height above a plane, {departure_m:.2} m below altitude at {:.1} km",
                 distance_m / 1e3
             );
             let finding = Finding::note(subject, message, place.clone())
                 .likely()
                 .relation("tangent-plane")
                 .detail(
-                    "That is allowed (ENU, a local Cartesian frame), but the difference grows with the square of the distance.",
+                    "Height above a tangent plane is allowed (ENU, a local Cartesian frame), but its difference to altitude grows with the \
+                     square of the distance from the origin.",
                 )
                 .help(CONVERT);
             out.fail(finding.measured(measured));

@@ -119,22 +119,27 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     let Pair { frame, other, .. } = pair;
     let expected = pair.axes.turn(pair.other_axes);
     let deg = off_deg(expected, &pair.other_from_frame);
-    let off = Measured::new(format!("rotation from {}", pair.axes.word()), deg, "deg")
+    let axes = pair.axes.word().to_uppercase();
+    let off = Measured::new(format!("rotation from {axes} axes"), deg, "deg")
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
         return out.pass(pair.subject.as_str(), [off]);
     }
     let relation = known_turn(&pair.other_from_frame, limits.max_deg);
-    let message = format!(
-        "`{frame}` is rotated {deg:.1} deg away from {} axes relative to `{other}`",
-        pair.axes.word().to_uppercase(),
-    );
+    let message = format!("`{frame}` does not have {axes} axes: {deg:.1} deg off, relative to `{other}`");
+    let name = match (pair.axes, relation) {
+        (BodyAxes::Flu, Some(Relation::FluFrd)) => format!(" to `{}`", frame.as_str().replace("flu", "frd")),
+        _ => String::new(),
+    };
     let help = match expected {
-        Some(_) => "set rpy = (pi, 0, 0), forward-right-down in a forward-left-up frame, or rename the frame",
-        None => {
-            "remove the rotation, since a frame without a suffix is forward-left-up already (REP-103), or rename the frame"
+        Some(_) => {
+            format!("set the rotation between `{other}` and `{frame}` to rpy = (pi, 0, 0), or rename `{frame}`{name}")
         }
+        None => format!(
+            "remove the rotation between `{other}` and `{frame}` (a frame without a suffix is forward-left-up, REP-103), or rename \
+             `{frame}`{name}"
+        ),
     };
     // The frame without a suffix may have other axes, as a sensor in its mounting: only the names disagree.
     let is_open = relation.is_none() || (pair.axes == BodyAxes::Flu && relation == Some(Relation::FluFrd));

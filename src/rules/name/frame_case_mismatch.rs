@@ -3,6 +3,7 @@
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::advice::literal::with_fix;
 use crate::advice::places;
 use crate::analysis::names;
 use crate::rules::prelude::*;
@@ -18,23 +19,18 @@ impl Rule for FrameCaseMismatch {
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut groups: BTreeMap<String, BTreeMap<FrameId, Vec<&FrameUse>>> = BTreeMap::new();
-        let named = world
-            .frames
-            .iter()
-            .filter(|used| is_name(used.role) && !used.frame.canonical().as_str().is_empty());
-        for used in named {
-            let spellings = groups.entry(names::fold(&used.frame)).or_default();
-            spellings.entry(used.frame.canonical()).or_default().push(used);
-        }
-        if groups.is_empty() {
-            return;
+        for used in world.frames.iter().filter(|used| is_name(used.role)) {
+            let frame = used.frame.canonical();
+            if !frame.as_str().is_empty() {
+                let spellings = groups.entry(names::fold(&used.frame)).or_default();
+                spellings.entry(frame).or_default().push(used);
+            }
         }
         let mut failed = false;
         let components = LazyCell::new(|| world.graph().components());
         let trees = LazyCell::new(|| -> BTreeMap<&FrameId, usize> {
             let numbered = components.iter().enumerate();
-            let members =
-                numbered.map(|(number, component)| component.members.iter().map(move |frame| (frame, number)));
+            let members = numbered.map(|(number, tree)| tree.members.iter().map(move |frame| (frame, number)));
             members.flatten().collect()
         });
         let spelled = LazyCell::new(|| places::NamePlaces::of(world));
@@ -53,7 +49,7 @@ impl Rule for FrameCaseMismatch {
                 }
             }
         }
-        if !failed {
+        if !failed && !groups.is_empty() {
             let twins = Measured::count("names that differ only in case", 0).limit(0.0);
             out.pass("frame names", [twins.samples(groups.len() as u64)]);
         }
@@ -80,10 +76,8 @@ fn standing(uses: &[&FrameUse]) -> (u8, usize) {
 /// Sources in which a name is a frame of its own, not only a reference to one.
 fn defined_in(uses: &[&FrameUse]) -> BTreeSet<SourceId> {
     let defines = |role| matches!(role, FrameRole::Link | FrameRole::TfParent | FrameRole::TfChild);
-    uses.iter()
-        .filter(|used| defines(used.role))
-        .map(|used| used.place.source)
-        .collect()
+    let defining = uses.iter().filter(|used| defines(used.role));
+    defining.map(|used| used.place.source).collect()
 }
 
 fn judge_pair(
@@ -95,20 +89,16 @@ fn judge_pair(
     let witness = right_uses
         .iter()
         .min_by_key(|used| (std::cmp::Reverse(standing(&[used])), &used.place))?;
-    let graph = world.graph();
     let is_connected = trees.get(odd).is_some_and(|tree| trees.get(right) == Some(tree));
     let are_twins = !defined_in(odd_uses).is_disjoint(&defined_in(right_uses));
-    let is_tree = graph.frames.contains(right) || graph.frames.contains(odd);
+    let is_tree = [right, odd].iter().any(|frame| world.graph().frames.contains(*frame));
     let subject = format!("frame `{odd}`");
     let finding = if are_twins && is_connected {
         let message = format!("`{odd}` and `{right}` are two frames of one tree whose names differ only in case");
         Finding::warning(subject, message, first.place.clone())
     } else {
-        let message = format!(
-            "`{odd}` ({}) is spelled `{right}` elsewhere ({})",
-            first.role.words(),
-            witness.role.words()
-        );
+        let (role, other) = (first.role.words(), witness.role.words());
+        let message = format!("`{odd}` ({role}) is spelled `{right}` elsewhere ({other})");
         if is_tree {
             Finding::error(subject, message, first.place.clone())
                 .detail("Frame names are case-sensitive: these are two different frames.")
@@ -123,12 +113,8 @@ fn judge_pair(
         .measured(Measured::count("spellings", 2).expected(1.0));
     // Two links of these names in one file are two frames: renaming one would merge them.
     let spelled = odd_uses.iter().map(|used| &used.frame).collect::<BTreeSet<_>>();
-    let edits = match spelled.first() {
-        Some(spelled_as) if !are_twins && spelled.len() == 1 => spelled_at.rename_edits(spelled_as, right.as_str()),
-        _ => None,
-    };
-    Some(match edits {
-        Some(edits) => finding.fix(format!("rename `{odd}` to `{right}`"), Safety::Safe, edits),
-        None => finding,
-    })
+    let only = spelled.first().filter(|_| !are_twins && spelled.len() == 1);
+    let edits = only.and_then(|spelled_as| spelled_at.rename_edits(spelled_as, right.as_str()));
+    let title = format!("rename `{odd}` to `{right}`");
+    Some(with_fix(finding, &title, Safety::Safe, edits))
 }

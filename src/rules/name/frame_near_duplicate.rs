@@ -71,20 +71,31 @@ impl Rule for FrameNearDuplicate {
 
 fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &SimilarName, limits: &Limits) -> Finding {
     let used = uses.iter().min_by_key(|used| (used.role, &used.place));
-    let (words, place) = used.map_or(("frame", None), |used| (used.role.words(), Some(used.place.clone())));
+    let words = used.map_or("frame", |used| used.role.words());
+    let place = used.map(|used| used.place.clone());
     let place = place.or_else(|| crate::analysis::places::first(world, frame));
-    let message = format!(
-        "`{frame}` ({words}) is not in the tree, but {} from `{}`",
-        near.how, near.frame
-    );
-    let edits = Measured::count("edits between the names, separators aside", near.edits).limit(limits.max_edits as f64);
+    let topic = place.as_ref().and_then(Place::topic);
+    let of = topic.map_or_else(String::new, |topic| format!("`{topic}`: "));
+    let message = format!("{of}`{frame}` is not in the tree, but `{}` is", near.frame);
+    let field = match used.map(|used| used.role) {
+        Some(FrameRole::OdometryChild) => "child_frame_id",
+        _ => "frame_id",
+    };
+    let set = match topic {
+        Some(topic) => format!("set the {field} of `{topic}` to `{}`", near.frame),
+        None => format!("write `{}` instead of `{frame}`", near.frame),
+    };
+    let help = format!("{set}; if `{frame}` is another frame, publish the transform of `{frame}`");
+    let edits = Measured::count(
+        "edits between the names, without separators, namespace and ending",
+        near.edits,
+    )
+    .limit(limits.max_edits as f64);
     let place = place.unwrap_or_else(|| crate::source::Place::whole(crate::source::SourceId(0)));
     let finding = Finding::warning(format!("frame `{frame}`"), message, place)
         .likely()
-        .help(format!(
-            "use `{}` if that is meant; otherwise publish the transform of `{frame}`",
-            near.frame
-        ))
+        .detail(format!("`{frame}` ({words}) {} from `{}`.", near.how, near.frame))
+        .help(help)
         .measured(edits);
     match crate::analysis::places::first(world, near.frame) {
         Some(place) => finding.related(place, format!("`{}`", near.frame)),

@@ -111,7 +111,12 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
         (format!("frame {listed}"), message, fault.why().to_owned())
     } else {
         let path = world.path(place.source);
-        let message = format!("each of {} frame names {}", names.len(), fault.words());
+        let example = first.map_or_else(String::new, |wrong| shown(wrong).to_string());
+        let message = format!(
+            "{} frame names are misspelt: each {}, such as `{example}`",
+            names.len(),
+            fault.words()
+        );
         (
             format!("frames of {path}"),
             message,
@@ -123,17 +128,21 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
         .map(|wrong| spelling::clean(wrong.frame.as_str()))
         .collect();
     let can_clean = |name: &String| !name.is_empty() && !name.contains(char::is_whitespace);
-    let help = match cleaned.first() {
-        Some(name) if can_clean(name) && names.len() > 1 => format!("rename them (the first to `{name}`)"),
-        Some(name) if can_clean(name) => format!("rename it to `{name}`"),
-        _ => "use only letters, digits and `_`".to_owned(),
+    let help = match (cleaned.first(), names) {
+        (Some(name), [one, _, ..]) if can_clean(name) => format!(
+            "rename all {} frames in this way wherever they are used: `{}` to `{name}`",
+            names.len(),
+            shown(one)
+        ),
+        (Some(name), _) if can_clean(name) => format!("rename the frame to `{name}` wherever the name is used"),
+        _ => "use only letters, digits and `_` in the name".to_owned(),
     };
     let count = crate::math::stats::total(names.iter().map(|wrong| wrong.count));
     let finding = Finding::new(severity, subject, message, place)
         .confidence(confidence)
         .label(fault.words())
         .detail(detail)
-        .help(help.clone())
+        .help(help)
         .measured(Measured::new("uses of such names", count as f64, "count").limit(0.0));
     // Where both spellings are links, renaming one would make two links of one name.
     let edits: Option<Vec<_>> = names
@@ -146,7 +155,7 @@ fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade
         })
         .collect();
     match edits {
-        Some(edits) => finding.fix(help, Safety::Safe, edits.concat()),
+        Some(edits) => finding.fix("write the clean spelling", Safety::Safe, edits.concat()),
         None => finding,
     }
 }

@@ -53,12 +53,12 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
     }
     let Some((base, z_up)) = up(world, frame) else {
         let message = format!(
-            "`{}`: `{frame}` is not named optical, and no transform shows its orientation",
+            "`{}`: the name of frame `{frame}` does not say optical, and no transform shows its axes",
             camera.topic
         );
         let finding = Finding::note(subject, message, place).hint().measured(messages);
         return out.fail(finding.help(
-            "rename it to `..._optical_frame` if its z axis points forward; otherwise publish an optical frame",
+            "if its z axis points forward, rename it to `..._optical_frame`; otherwise publish an optical frame, and use that",
         ));
     };
     let measured = Measured::new("vertical component of z", z_up, "1").at_least(limits.min_up);

@@ -47,28 +47,33 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         );
         return out.too_little(subject, why);
     }
-    let place = worst
-        .edge
-        .or_else(|| graph.edges_to(frame).next())
-        .and_then(|edge| crate::analysis::places::of_numbers(world, edge));
+    let edge = worst.edge.or_else(|| graph.edges_to(frame).next());
+    let place = edge.and_then(|edge| crate::analysis::places::of_numbers(world, edge));
     let Some(place) = place.or_else(|| crate::analysis::places::first(world, frame)) else {
         return;
     };
     let (word, what) = relation(&worst.parent_from_optical, limits);
-    let message = format!(
-        "`{frame}` is rotated {deg:.1} deg from optical axes, as seen from `{}`",
-        worst.parent
-    );
-    let finding = if deg <= limits.calibrated_deg {
-        Finding::warning(subject, message, place).likely()
-    } else if worst.is_sibling {
-        Finding::error(subject, message, place)
+    let parent = &worst.parent;
+    let message = if worst.parent_from_optical.angle().to_degrees() <= limits.exact_deg {
+        format!("`{frame}` has the body axes of `{parent}`, not optical axes ({deg:.1} deg off)")
     } else {
-        Finding::error(subject, message, place).likely()
+        format!("`{frame}` is rotated {deg:.1} deg from optical axes, relative to `{parent}`")
     };
-    let mut finding = finding.label("its rotation").measured(measured).detail(what).help(
-        "set rpy = (-pi/2, 0, -pi/2) from a link with x forward: an optical frame has z forward, x right, y down (REP-103); how the camera itself is mounted belongs to the joint of its body",
-    );
+    let (finding, rest) = if deg <= limits.calibrated_deg {
+        let rest = format!("; if the {deg:.1} deg were calibrated, add them to the transform of `{parent}`");
+        (Finding::warning(subject, message, place).likely(), rest)
+    } else if worst.is_sibling {
+        (Finding::error(subject, message, place), String::new())
+    } else {
+        (Finding::error(subject, message, place).likely(), String::new())
+    };
+    let mut finding = finding
+        .label("this rotation")
+        .measured(measured)
+        .detail(what)
+        .help(format!(
+            "give `{frame}` rpy = (-pi/2, 0, -pi/2) relative to `{parent}`: z forward, x right, y down (REP-103){rest}"
+        ));
     finding.relation = word.map(str::to_owned);
     let edit = worst
         .edge
@@ -87,10 +92,13 @@ fn relation(parent_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> (Opti
     if is(UnitQuaternion::identity()) {
         (
             Some("optical"),
-            "It has the axes of its camera: no rotation at all.".to_owned(),
+            "The transform between the two has no rotation.".to_owned(),
         )
     } else if is(AxisTurn::XMinus90.quaternion()) {
-        (Some("x-90"), "It is rotated about x only.".to_owned())
+        (
+            Some("x-90"),
+            "The transform rotates by -90 deg about x only: the yaw of -90 deg is missing.".to_owned(),
+        )
     } else {
         let tolerance = Tolerance {
             angle_rad: limits.exact_deg.to_radians(),

@@ -6,7 +6,7 @@ use crate::analysis::name::alike::is_same;
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId, SourceKind, Span};
 use crate::world::transform_name::{NameStyle, TransformName};
-use crate::world::{DeclaredChain, Doubt, FrameId, World, transform_name};
+use crate::world::{Claim, DeclaredChain, Doubt, FrameId, World, transform_name};
 
 pub(crate) struct TransformNameCancellation;
 
@@ -147,8 +147,12 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
         );
         let help = if turned {
             "reverse the factors: these cancel from right to left, but `a_T_b * b_T_c` is `a_T_c`, with the source frame on the right"
+                .to_owned()
         } else {
-            "insert the transform between the two, or correct the name that is wrong"
+            format!(
+                "insert the transform `{}` from `{}` between the two factors, or correct the wrong name",
+                gap.left, gap.right
+            )
         };
         let finding = Finding::error(subject.as_str(), message, places(gap.at.1))
             .confidence(ceiling)
@@ -177,9 +181,12 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
             let finding = Finding::error(subject, message, places(*at))
                 .confidence(ceiling)
                 .help(if inverse {
-                    "swap the frames in the name of the result, or invert the product"
+                    "swap the frames in the name of the result, or invert the product".to_owned()
                 } else {
-                    "name the result after its outer frames"
+                    format!(
+                        "append or remove the factor that is missing or too much, or name the result `{}` from `{}`",
+                        first.target, last.source
+                    )
                 });
             let finding = finding.measured(Measured::count("outer frames that differ", 1).limit(0.0));
             out.fail(if inverse { finding.relation("inverse") } else { finding });
@@ -187,6 +194,17 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
         _ if inner.is_empty() => out.pass(subject, [joints]),
         _ => {}
     }
+}
+
+/// How far a transform and its inverse are apart, for the end of a headline.
+fn apart(claim: &Claim) -> String {
+    let Some(pose) = claim.pose.map(|pose| pose.isometry()) else {
+        return String::new();
+    };
+    let inverse = pose.inverse();
+    let angle_deg = pose.rotation.angle_to(&inverse.rotation).to_degrees();
+    let distance_m = (pose.translation.vector - inverse.translation.vector).norm();
+    format!(", and the two readings differ by {angle_deg:.1} deg and {distance_m:.3} m")
 }
 
 /// Statements of known dialects whose direction is ambiguous: one hint a file. Algebras are QUAT05's.
@@ -200,19 +218,20 @@ fn judge_doubts(world: &World, out: &mut Judge) {
             continue;
         }
         let path = world.path(claim.place.source);
-        let message = format!(
-            "`{}` is read as `{target}` from `{source}`, but its direction is ambiguous",
-            claim.label
-        );
+        let message = format!("`{}`: direction is ambiguous{}", claim.label, apart(claim));
         let finding = Finding::note(
             format!("direction of `{}` of {path}", claim.label),
             message,
             claim.place.clone(),
         )
         .hint()
-        .detail(format!("Read so, it takes points of `{source}` to `{target}`. Doubt: {doubt}."))
+        .detail(format!(
+            "The transform is read as taking points of `{source}` to `{target}`. Why that is in doubt: {doubt}."
+        ))
         .help(format!(
-            "state the direction in frames-lint.yaml: transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]",
+            "look up how the program that reads this file applies the transform, and declare the direction in frames-lint.yaml:\n\
+             (1) as read: `transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]`\n\
+             (2) inverse: the same with `is: {source} from {target}`",
             claim.label
         ));
         out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));
@@ -230,7 +249,7 @@ fn judge_keys(world: &World, out: &mut Judge) {
         if !seen.insert(claim.place.source) {
             continue;
         }
-        let message = format!("the direction of `{}` is ambiguous", claim.label);
+        let message = format!("`{}`: direction is ambiguous{}", claim.label, apart(claim));
         let finding = Finding::note(
             format!("names in {}", world.path(claim.place.source)),
             message,
@@ -238,11 +257,13 @@ fn judge_keys(world: &World, out: &mut Judge) {
         )
         .hint()
         .detail(format!(
-            "It can take points from `{}` to `{}`, or be the pose of `{1}` in `{0}`, which is the inverse.",
+            "The transform can take points of `{}` to `{}`, or be the pose of `{1}` in `{0}`, which is the inverse.",
             name.source, name.target
         ))
         .help(format!(
-            "look up how the program that reads the file applies it, and declare that in frames-lint.yaml: `transforms: [{{key: '{}', is: {} from {}}}]`, or the other way round; a new key, such as `{1}_from_{2}`, is clear without it",
+            "look up how the program that reads this file applies the transform, and declare the direction in frames-lint.yaml:\n\
+             (1) points of `{2}` to `{1}`: `transforms: [{{key: '{0}', is: {1} from {2}}}]`, or a clear key such as `{1}_from_{2}`\n\
+             (2) pose of `{1}` in `{2}`: the same with `is: {2} from {1}`",
             claim.label, name.target, name.source
         ));
         out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));

@@ -47,10 +47,13 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         farthest_m / 1e3,
         single_precision_step_m(*farthest_m)
     );
+    let frame = clouds
+        .frame()
+        .map_or_else(|| "map".to_owned(), |frame| frame.to_string());
     out.fail(
         Finding::note(subject, message, clouds.place())
             .help(format!(
-                "subtract ({:.0}, {:.0}, {:.0}) m in double precision, and publish it as the transform from the map to a local frame",
+                "subtract ({:.0}, {:.0}, {:.0}) m in double precision, and publish `{frame}` -> `{frame}_local` with that translation",
                 origin.x, origin.y, origin.z
             ))
             .measured(measured),

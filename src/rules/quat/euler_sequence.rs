@@ -1,6 +1,6 @@
 //! QUAT03: Euler angles that match another source's rotation, or the gyro, only when composed in another order.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::advice::{literal::with_fix, restate::restated};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
@@ -80,33 +80,46 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &OrderMatch, limi
         Unit::Degrees => " in degrees",
         Unit::Radians => " in radians",
     };
-    let message = format!(
-        "Euler angles of {} are in another order than ROS's ({:.2} deg from {})",
-        angles.who, found.apart_deg, against.who
-    );
-    let detail = format!(
-        "Composed as {}{unit} they match it to {:.3} deg; ROS composes {}.{}",
-        found.order.product(),
-        found.left_deg,
-        Order::ROS.product(),
-        also(&found.alike),
-    );
-    let [roll, pitch, yaw] = Order::ROS.numbers_of(&found.meant).unwrap_or([f64::NAN; 3]);
-    let [r, p, y] = found.rpy;
-    let q = Order::ROS.compose([r, p, y]).coords;
-    let claim = angles.claim(world);
-    let write = if claim.is_some_and(Claim::is_published) {
+    let relation = word(found);
+    let message = if relation == "ypr" {
         format!(
-            "yaw, pitch, roll {yaw:.6} {pitch:.6} {roll:.6} rad for {} (the argument order of static_transform_publisher)",
-            angles.who
+            "roll and yaw of {} are exchanged ({:.2} deg from {})",
+            angles.who, found.apart_deg, against.who
         )
     } else {
-        format!("roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {}", angles.who)
+        format!(
+            "Euler angles of {} are in another order than ROS's ({:.2} deg from {})",
+            angles.who, found.apart_deg, against.who
+        )
     };
-    let help = format!(
-        "if {} is right, write {write}; if the angles are right as ROS reads them, write x y z w = {:.6} {:.6} {:.6} {:.6} there",
-        against.who, q.x, q.y, q.z, q.w
+    let [roll, pitch, yaw] = found.rpy;
+    let detail = format!(
+        "ROS reads roll {roll:.6}, pitch {pitch:.6}, yaw {yaw:.6} rad and composes {}. Composed as {}{unit}, the angles match {} to \
+         {:.3} deg.{}",
+        Order::ROS.product(),
+        found.order.product(),
+        against.who,
+        found.left_deg,
+        also(&found.alike),
     );
+    let claim = angles.claim(world);
+    let change = format!("write {}", written(world, angles, &found.meant));
+    let as_read = Order::ROS.compose(found.rpy);
+    let help = if found.unit == Unit::Right {
+        let as_stated = if against.direction == angles.direction {
+            as_read
+        } else {
+            as_read.inverse()
+        };
+        format!(
+            "change the wrong one of the two:\n(1) if {} is right, {change}\n(2) if {} is right, write {}",
+            against.who,
+            angles.who,
+            written(world, against, &as_stated)
+        )
+    } else {
+        change
+    };
     let is_sure = found.alike.is_empty() && pair.reading() >= Confidence::Certain;
     let edits = claim.filter(|claim| is_sure && claim.is_published()).and_then(|claim| {
         let translation = claim.pose?.isometry().translation;
@@ -121,14 +134,35 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &OrderMatch, limi
     )
     .detail(detail)
     .help(help)
-    .relation(word(found))
+    .relation(relation)
     .measured(
         Measured::new("rotation difference", found.apart_deg, "deg")
             .turn()
             .limit(limits.equal_deg),
     )
-    .measured(Measured::new("residual in that order", rounded(found.left_deg), "deg").limit(limits.left_deg))
-    .measured(Measured::count("other orders that give the same", found.alike.len()))
+    .measured(
+        Measured::new(
+            "rotation difference left in the other order",
+            rounded(found.left_deg),
+            "deg",
+        )
+        .limit(limits.left_deg),
+    )
+}
+
+/// The numbers that a statement needs for a rotation, in its own form.
+fn written(world: &World, statement: &Statement, turn: &UnitQuaternion<f64>) -> String {
+    let (who, q) = (&statement.who, turn.coords);
+    match Order::ROS.numbers_of(turn).filter(|_| statement.rpy.is_some()) {
+        Some([roll, pitch, yaw]) if statement.claim(world).is_some_and(Claim::is_published) => format!(
+            "yaw, pitch, roll {yaw:.6} {pitch:.6} {roll:.6} rad for {who} (the argument order of static_transform_publisher)"
+        ),
+        Some([roll, pitch, yaw]) => format!("roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {who}"),
+        None => format!(
+            "the rotation x y z w = {:.6} {:.6} {:.6} {:.6} for {who}",
+            q.x, q.y, q.z, q.w
+        ),
+    }
 }
 
 /// The word of the relation dictionary, if it has one for this order.
@@ -199,12 +233,13 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
 fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
     let product = ordered.order.product();
     let message = format!(
-        "`{}`: quaternion is composed as {product} (residual {:.1} %)",
+        "`{}`: quaternion is composed as {product}, {:.0} % off the gyro",
         imu.stream.topic,
         100.0 * ordered.as_published
     );
     let detail = format!(
-        "Recomposed as {}, it leaves {:.1} % of the gyro's rotation unexplained.{}",
+        "As published, the orientation leaves {:.1} % of the gyro's rotation unexplained; recomposed as {}, {:.1} %.{}",
+        100.0 * ordered.as_published,
         Order::ROS.product(),
         100.0 * ordered.residual,
         also(&ordered.alike),
@@ -213,12 +248,19 @@ fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
         "compose the quaternion as {} in the driver (tf2 `setRPY(roll, pitch, yaw)`; scipy `from_euler('ZYX', [yaw, pitch, roll])`)",
         Order::ROS.product()
     );
+    let unexplained = |how: &str, share| {
+        Measured::new(
+            format!("share of the gyro's rotation that is unexplained {how}"),
+            share,
+            "1",
+        )
+    };
     Finding::error(subject, message, imu.stream.place())
         .likely()
         .detail(detail)
         .help(help)
         .relation(ordered.order.word())
-        .measured(Measured::new("residual as published", ordered.as_published, "1").samples(ordered.windows))
-        .measured(Measured::new("residual in the order of ROS", ordered.residual, "1").samples(ordered.windows))
-        .measured(Measured::new("residual of the next order", ordered.next, "1"))
+        .measured(unexplained("as published", ordered.as_published).samples(ordered.windows))
+        .measured(unexplained("in the order of ROS", ordered.residual).samples(ordered.windows))
+        .measured(unexplained("in the next best order", ordered.next))
 }

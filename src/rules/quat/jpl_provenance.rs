@@ -16,15 +16,22 @@ impl Rule for JplProvenance {
             if let Some(Doubt::Algebra(doubt)) = &claim.doubt {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
                 let what = format!("`{}`: quaternion", claim.label);
-                let doubt = format!("{doubt}.{}", directions(claim));
-                judge_one(world, (subject, what.as_str()), &doubt, &claim.place, out);
+                let (apart, directions) = readings(claim);
+                let doubt = format!("{doubt}.{directions}");
+                judge_one(
+                    world,
+                    (subject, what.as_str(), apart.as_str()),
+                    &doubt,
+                    &claim.place,
+                    out,
+                );
             }
         }
         for states in &world.jpl {
             let subject = format!("quaternions of {}", world.path(states.place.source));
             judge_one(
                 world,
-                (subject, "quaternions"),
+                (subject, "quaternions", "inverse rotations"),
                 &format!("{}.", states.value),
                 &states.place,
                 out,
@@ -33,22 +40,31 @@ impl Rule for JplProvenance {
     }
 }
 
-/// Where an axis of the sensor points under either convention: a look at the mounting decides.
-fn directions(claim: &Claim) -> String {
+/// How far apart the rotations of the two conventions are, and where the axis of the sensor points under either that differs most: a look
+/// at the mounting decides.
+fn readings(claim: &Claim) -> (String, String) {
     let (Some((target, source)), Some(pose)) = (&claim.frames, &claim.pose) else {
-        return String::new();
+        return ("inverse rotations".to_owned(), String::new());
     };
     let turn = pose.isometry().rotation;
+    let apart = format!("{:.1} deg apart", turn.angle_to(&turn.inverse()).to_degrees());
+    let axes = [("z", Vector3::z()), ("x", Vector3::x()), ("y", Vector3::y())];
+    let alike = |axis: &Vector3<f64>| (turn * axis).dot(&(turn.inverse() * axis));
+    let Some((name, axis)) = axes.into_iter().min_by(|a, b| alike(&a.1).total_cmp(&alike(&b.1))) else {
+        return (apart, String::new());
+    };
     let [read, inverse] = [turn, turn.inverse()].map(|turn| {
-        let z = turn * Vector3::z();
-        format!("({:.2}, {:.2}, {:.2})", z.x, z.y, z.z)
+        let [x, y, z] = <[f64; 3]>::from(turn * axis).map(|value| (value * 100.0).round() / 100.0 + 0.0);
+        format!("({x:.2}, {y:.2}, {z:.2})")
     });
-    format!(
-        " Read as Hamilton, z of `{source}` points along {read} of `{target}`; read as JPL, along {inverse}: the one that the mounting has is right."
-    )
+    let directions = format!(
+        " Read as Hamilton, {name} of `{source}` points along {read} of `{target}`; read as JPL, along {inverse}. The mounting shows which \
+         reading is right."
+    );
+    (apart, directions)
 }
 
-fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place: &Place, out: &mut Judge) {
+fn judge_one(world: &World, (subject, what, apart): (String, &str, &str), doubt: &str, place: &Place, out: &mut Judge) {
     let count = |open: usize| Measured::count("possible conventions", open).limit(1.0);
     let file = Subject {
         file: world.path(place.source),
@@ -61,15 +77,18 @@ fn judge_one(world: &World, (subject, what): (String, &str), doubt: &str, place:
     if is_declared {
         return out.pass(subject, [count(1)]);
     }
-    let message = format!("{what} may be Hamilton or JPL: such files exist with both");
+    let message = format!("{what} may be Hamilton or JPL: the two readings are {apart}");
     let finding = Finding::note(subject, message, place.clone())
         .hint()
         .label("Hamilton or JPL")
         .detail(format!(
-            "Doubt: {doubt} In the other convention the same numbers are the inverse rotation."
+            "Why that is in doubt: {doubt} The same numbers are inverse rotations in the two conventions."
         ))
         .help(format!(
-            "find out which convention the program that wrote this file used (its version, or the mounting), and declare it in frames-lint.yaml: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]` (or `jpl`)",
+            "look up the convention in the program that wrote this file, or compare with the mounting, and declare the convention in \
+             frames-lint.yaml:\n\
+             (1) Hamilton: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]`\n\
+             (2) JPL: the same with `algebra: jpl`",
             file.file
         ));
     out.fail(finding.measured(count(2)));

@@ -105,7 +105,7 @@ fn judge_pair(
         out.pass(subject, measured);
         return None;
     };
-    let mut finding = contradiction(a, b, &claim, &constant, &subject, limits);
+    let mut finding = contradiction(a, b, &claim, &constant, &found, &subject, limits);
     if let Some(aspect) = a.shown_by.or(b.shown_by) {
         finding = finding.unless(rule_of(aspect));
     }
@@ -124,12 +124,12 @@ fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
     };
     [
         spread(
-            "scatter of the difference, taken as a rotation of the world",
+            "scatter of the rotation in the axes of the world",
             &found.left,
             &found.right,
         ),
         spread(
-            "scatter of the difference, taken as a rotation of the body",
+            "scatter of the rotation in the axes of the body",
             &found.right,
             &found.left,
         ),
@@ -162,50 +162,57 @@ fn contradiction(
     b: &OrientationStream,
     claim: &Claim,
     constant: &UnitQuaternion<f64>,
+    found: &Sides,
     subject: &str,
     limits: &Limits,
 ) -> Finding {
     let degrees = constant.angle().to_degrees();
     let axis = constant.axis().map_or_else(String::new, |axis| {
-        format!("The axis is ({:+.2}, {:+.2}, {:+.2}). ", axis.x, axis.y, axis.z)
+        format!(
+            "The axis of the rotation is ({:+.2}, {:+.2}, {:+.2}). ",
+            axis.x, axis.y, axis.z
+        )
     });
+    let [of_world, of_body] = [&found.left, &found.right].map(|one| one.spread_rad.to_degrees());
     let name = |frame: &Option<crate::world::FrameId>| frame.as_ref().map_or("?", |frame| frame.as_str()).to_owned();
-    let (side, why, help) = if claim.bodies.is_some() {
+    let (side, stated, why, help) = if claim.bodies.is_some() {
         let (one, other) = (name(&a.body), name(&b.body));
-        let tied = if one == other {
+        let stated = if one == other {
             format!("both are of `{one}`")
         } else {
-            format!("TF ties `{other}` to `{one}`")
+            format!("TF connects `{other}` rigidly to `{one}`")
         };
         (
             "body",
+            stated,
             format!(
-                "By the transforms both are of one body ({tied}), so they should differ at most by a constant rotation of their worlds. They differ by a constant rotation of the body instead. Causes: a rotation is missing in the mounting of a sensor; one of the two has other body axes, such as FRD; or its poses were moved to another world by multiplying from the wrong side. Which of the two is wrong cannot be seen."
+                "The rotation between the two is constant in the axes of the body (scatter {of_body:.1} deg), not in the axes of the world \
+                 (scatter {of_world:.1} deg)."
             ),
-            "if a sensor is mounted with that rotation, add it to the sensor's transform; if one of the two is of another body (such as FRD), \
-             give it its own `child_frame_id` and a transform; if its poses were moved to another world, multiply from the left: \
+            "correct one of the two, by the cause:\n(1) a sensor is mounted with this rotation: add the rotation to the transform of the \
+             sensor\n(2) one has other body axes, such as FRD: give that one a `child_frame_id` of its own, and publish its \
+             transform\n(3) the poses of one were moved to another world from the wrong side: multiply from the left, \
              `new_from_world * world_from_body`",
         )
     } else {
         (
             "world",
+            format!("both are in `{}`", name(&a.world)),
             format!(
-                "Both are expressed in `{}`, so they should differ at most by a constant rotation of their bodies. They differ by a constant rotation of the world instead. Causes: one of the two has another world; or its body was changed by multiplying from the wrong side. Which of the two is wrong cannot be seen.",
-                name(&a.world)
+                "The rotation between the two is constant in the axes of the world (scatter {of_world:.1} deg), not in the axes of the body \
+                 (scatter {of_body:.1} deg)."
             ),
-            "rename one of the two worlds and tie them by TF; multiply a change of the body from the right, \
-             `world_from_body * body_from_new`",
+            "correct one of the two, by the cause:\n(1) one is not aligned with that frame: give that one a `frame_id` of its own, and \
+             publish the transform between the two frames\n(2) a rotation of the body, such as a mounting, was multiplied from the \
+             left: multiply from the right, `world_from_body * body_from_new`",
         )
     };
-    let message = format!(
-        "{} and {} differ by a constant {side} rotation of {degrees:.0} deg",
-        b.subject, a.subject
-    );
+    let message = format!("{} and {}: {stated}, but {degrees:.0} deg apart", b.subject, a.subject);
     let finding = Finding::warning(subject, message, b.place.clone())
         .likely()
-        .detail(format!("{axis}{why}"))
+        .detail(format!("{why} {axis}The data do not show which of the two is wrong."))
         .help(help)
-        .related(a.place.clone(), a.subject.clone())
+        .related(a.place.clone(), "compared with this orientation")
         .measured(
             Measured::new(format!("constant rotation of the {side}"), degrees, "deg").limit(limits.min_constant_deg),
         );

@@ -29,12 +29,21 @@ fn judge_turned(
 ) {
     let windows = turned.windows as u64;
     let mut measured = vec![
-        Measured::new("residual as published", turned.as_published.residual, "1")
-            .limit(turned.limit)
-            .samples(windows),
-        Measured::new("residual if the orientation is inverted", turned.inverse.residual, "1").samples(windows),
-        Measured::new("residual read as w, x, y, z", turned.reordered.residual, "1").samples(windows),
-        Measured::new("rotation", turned.rotation_deg, "deg").at_least(limits.min_rotation_deg),
+        Measured::new(
+            "rotation of the gyro that the orientation does not explain, as published",
+            turned.as_published.residual,
+            "1",
+        )
+        .limit(turned.limit)
+        .samples(windows),
+        Measured::new("the same, with the orientation inverted", turned.inverse.residual, "1").samples(windows),
+        Measured::new(
+            "the same, with the quaternion read as w, x, y, z",
+            turned.reordered.residual,
+            "1",
+        )
+        .samples(windows),
+        Measured::new("rotation that was compared", turned.rotation_deg, "deg").at_least(limits.min_rotation_deg),
     ];
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
@@ -58,20 +67,20 @@ fn judge_turned(
         _ => "orientation and gyro rotate in opposite directions".to_owned(),
     };
     let message = format!(
-        "`{}`: {what} (residual as published {:.0} %)",
+        "`{}`: {what} ({:.0} % unexplained)",
         imu.stream.topic,
         100.0 * turned.as_published.residual
     );
     let other_axes = if turned.class == Turn::Unrelated {
         format!(
-            " With the gyro's axes permuted or negated it is {:.0} %.",
+            " With the axes of the gyro permuted or negated, {:.0} % are unexplained.",
             100.0 * turned.other_axes
         )
     } else {
         String::new()
     };
     let detail =
-        format!("The residual is the part of the gyro's rotation that the orientation does not explain.{other_axes}");
+        format!("The percentage is the part of the gyro's rotation that the orientation does not explain.{other_axes}");
     let otherwise = match turned.class {
         Turn::Partly => {
             "check the order in which roll, pitch and yaw are composed (ROS: Rz(yaw) Ry(pitch) Rx(roll)), and that axis of the gyro"

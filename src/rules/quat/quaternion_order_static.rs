@@ -71,21 +71,20 @@ fn mixed(world: &World, odd: &QuaternionList, usual: &QuaternionList, first: usi
         "`{}` and `{}` are in different quaternion orders",
         odd.claim.label, usual.claim.label
     );
-    let word = if odd.slot == Slot::First { "wxyz" } else { "xyzw" };
-    finding(
-        Finding::error(odd.subject(world), message, odd.place())
-            .likely()
-            .relation(word),
-        first,
-        last,
-    )
-    .related(usual.place(), "the other order")
-    .detail(format!(
-        "{} and {}: one has the scalar w first, the other last.",
-        odd.text(),
-        usual.text()
-    ))
-    .help("write all quaternions of the file in one order, and name it in the key (x, y, z, w)")
+    let (word, usual_order) = if odd.slot == Slot::First {
+        ("wxyz", "scalar last")
+    } else {
+        ("xyzw", "scalar first")
+    };
+    let error = Finding::error(odd.subject(world), message, odd.place()).likely();
+    finding(error.relation(word), first, last)
+        .related(usual.place(), usual_order)
+        .detail(format!(
+            "{} and {}: one has the scalar w first, the other last.",
+            odd.text(),
+            usual.text()
+        ))
+        .help("write all quaternions of the file in one order, and name it in the key (x, y, z, w)")
 }
 
 fn scalar_first(world: &World, one: &QuaternionList, first: usize) -> Finding {

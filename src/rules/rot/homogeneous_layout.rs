@@ -131,19 +131,20 @@ fn wrong_row(world: &World, parts: &Parts, [a, b, c, d]: [f64; 4], measured: Mea
         "the bottom row of matrix `{}` is {a} {b} {c} {d}, not 0 0 0 1",
         parts.claim.label
     );
-    let place = parts.literal(3, 0).zip(parts.literal(3, 3)).map_or_else(
+    let is_zero = [a, b, c, d].iter().all(|entry| *entry == 0.0);
+    let (from, label) = if is_zero { (3, "must be 1") } else { (0, "bottom row") };
+    let place = parts.literal(3, from).zip(parts.literal(3, 3)).map_or_else(
         || parts.claim.place.clone(),
         |(first, last)| crate::source::Place::text(parts.source(), first.span.cover(last.span)),
     );
-    let is_zero = [a, b, c, d].iter().all(|entry| *entry == 0.0);
     let finding = if is_zero {
         // SLICT and SVO-Pro ship such matrices: their readers use the upper three rows only.
         Finding::note(parts.subject(world), message, place).help(
-            "write 1 as the last number of the row: a reader that multiplies by the full matrix gets no transform",
+            "write 1 as the last number of the row: a program that multiplies by the whole matrix gets only zeros there",
         )
     } else {
         Finding::error(parts.subject(world), message, place)
             .help("write 0 0 0 1 as the bottom row, or look for a lost number or another layout")
     };
-    finding.label("bottom row").measured(measured)
+    finding.label(label).measured(measured)
 }

@@ -62,14 +62,14 @@ fn judge_stated(world: &World, stated: &StatedQuaternion, limits: &Limits, right
         "normalise it, and look for a wrong or lost component: tf2 of ROS 1 drops a transform with such a quaternion, tf2 of ROS 2 \
          normalises it"
     } else {
-        "normalise it: a reader that does not normalise scales and shears what it rotates"
+        "divide its numbers by the norm: a program that uses it as it is does not get a pure rotation"
     };
     let place = cover(stated.literals, &stated.place);
     let [x, y, z, w] = stated.xyzw;
     let finding = Finding::new(severity, stated.subject(world), message, place)
         .label(format!("norm {norm:.6}"))
         .detail(format!(
-            "The numbers are read as x {x}, y {y}, z {z}, w {w}. Rounding to the printed digits explains a difference of {allowed:.1e}."
+            "The quaternion is read as x {x}, y {y}, z {z}, w {w}. Rounding to the printed digits explains a difference of {allowed:.1e}."
         ))
         .help(help)
         .measured(measured);

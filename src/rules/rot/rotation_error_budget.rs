@@ -15,14 +15,14 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// How far sideways a rotation moves points, metres: each distance with `r * sin(angle)`.
-    fn sideways_m(&self, turn_deg: f64) -> [(f64, f64); 3] {
-        let sine = turn_deg.to_radians().sin().abs();
-        [self.near_m, self.middle_m, self.far_m].map(|range_m| (range_m, range_m * sine))
+    /// How far a rotation moves points, metres: each distance with the chord `2 r sin(angle / 2)`.
+    fn moved_m(&self, turn_deg: f64) -> [(f64, f64); 3] {
+        let chord = 2.0 * (turn_deg.to_radians() / 2.0).sin().abs();
+        [self.near_m, self.middle_m, self.far_m].map(|range_m| (range_m, range_m * chord))
     }
 
     fn measured(&self, turn_deg: f64) -> [Measured; 3] {
-        self.sideways_m(turn_deg)
+        self.moved_m(turn_deg)
             .map(|(range_m, m)| Measured::new(format!("error of a point at {range_m} m"), m, "m"))
     }
 }
@@ -78,22 +78,24 @@ impl Review for RotationErrorBudget {
         let Some(primary) = finding.places.iter().find(|label| label.role == PlaceRole::Primary) else {
             return;
         };
-        let sideways = limits.sideways_m(turn_deg);
-        let moved: Vec<String> = sideways
+        let distances = limits.moved_m(turn_deg);
+        let moved: Vec<String> = distances
             .iter()
             .map(|(range_m, m)| format!("{m:.2} m at {range_m} m"))
             .collect();
         let more = match others - 1 {
             0 => String::new(),
-            1 => "One more finding has such numbers for its angle.".to_owned(),
-            count => format!("{count} more findings have such numbers for their angles."),
+            1 => "One more finding has such rows for its own angle.".to_owned(),
+            count => format!("{count} more findings have such rows for their own angles."),
         };
         let (rule, moved) = (&finding.rule, moved.join(", "));
-        let message = format!("the error that {rule} found moves points by {moved}");
+        let message = format!("the rotation error that {rule} found moves points by {moved}");
         let note = Finding::note(subject, message, primary.place.clone())
             .detail(format!("The finding of {rule}: {}.", finding.message))
             .detail(more)
-            .help(format!("do what {rule} says; until then, compare the errors with the accuracy that the map, the labels or the planner need"))
+            .help(format!(
+                "correct what {rule} found; until then, compare these errors with the accuracy that you need"
+            ))
             .measured(Measured::new("angle", turn_deg, "deg"));
         out.fail(note.measured(limits.measured(turn_deg)));
     }
@@ -111,8 +113,8 @@ mod tests {
             far_m: 100.0,
             max_deg: 45.0,
         };
-        let [near, middle, far] = limits.sideways_m(0.5).map(|(_, m)| m);
-        assert!((middle - 0.436_327).abs() < 1e-6);
+        let [near, middle, far] = limits.moved_m(0.5).map(|(_, m)| m);
+        assert!((middle - 0.436_331).abs() < 1e-6);
         assert!((near - middle / 5.0).abs() < 1e-12 && (far - 2.0 * middle).abs() < 1e-12);
     }
 }

@@ -67,19 +67,19 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let is_singular = scale.is_none() && parts.rotation.determinant().abs() < 0.5;
     let (message, detail) = match scale {
         Some(factor) => (
-            format!("matrix `{label}` is no rotation: it includes a scale factor of {factor:.6}"),
+            format!("matrix `{label}` is not a pure rotation: it scales by {factor:.6}"),
             "All three axes have this length.".to_owned(),
         ),
         None if is_singular => (
             format!(
-                "matrix `{label}` is no rotation: its determinant is {:.3}, not 1",
+                "matrix `{label}` is not a rotation: its determinant is {:.3}, not 1",
                 parts.rotation.determinant()
             ),
             "An entry is missing or in the wrong place: one axis is zero, or depends on the others.".to_owned(),
         ),
         None => (
-            format!("matrix `{label}` is no rotation: R^T R differs from the identity by {error:.1e}"),
-            format!("Rounding to the printed digits explains {allowed:.1e}."),
+            format!("matrix `{label}` is not an exact rotation: R^T R differs from the identity by {error:.1e}"),
+            format!("Rounding of the written digits explains up to {allowed:.1e}."),
         ),
     };
     let help = match scale {
@@ -105,7 +105,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(
         Measured::new(
-            "change of the rotation by the fix, which is offered up to the limit",
+            "angle to the nearest exact rotation (an automatic fix is offered up to the limit)",
             moved_deg,
             "deg",
         )

@@ -156,21 +156,24 @@ fn by_size(
     let why = match (is_ouster, usual > 0.0) {
         (true, _) => "These are numbers of Ouster's metadata, which are in millimetres.".to_owned(),
         (false, true) => format!("All other translations of this file are within {usual:.3} m."),
-        (false, false) => {
-            "No sensor is mounted so far away; read in millimetres, the length is that of a mounting.".to_owned()
-        }
+        (false, false) => "That is far for a mounting on one robot.".to_owned(),
     };
+    // A length that a big machine may have, with nothing to compare it with, is only worth a look.
+    let lone = usual == 0.0 && norm < limits.impossible_m && !is_ouster;
+    let doubt = if lone { "perhaps" } else { "probably" };
     let message = format!(
-        "the translation of {} is {norm:.3} m long: probably in millimetres",
+        "the translation of {} is {norm:.3} m long: {doubt} in millimetres",
         stated.name
     );
     let finding = Finding::new(severity, subject(world, source, stated), message, stated.place.clone())
         .likely()
         .detail(why);
-    // A length that a big machine may have, with nothing to compare it with, is only worth a look.
-    let lone = usual == 0.0 && norm < limits.impossible_m && !is_ouster;
-    let finding = if lone { finding.hint() } else { finding };
-    Some(finish(world, finding.relation("millimetres"), source, stated, 1000.0))
+    let finding = finish(world, finding.relation("millimetres"), source, stated, 1000.0);
+    Some(if lone {
+        finding.hint().help("check the unit: divide the three numbers by 1000 if they are millimetres; nothing is wrong if they are metres")
+    } else {
+        finding
+    })
 }
 
 fn subject(world: &World, source: SourceId, stated: &StatedTranslation) -> String {

@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
-use crate::analysis::{
-    rot::angles::stated,
-    rot::short_pi::{expression, meant},
-};
+use crate::analysis::rot::angles::stated;
+use crate::analysis::rot::short_pi::{expression, meant};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::verdict::Safety;
@@ -75,14 +73,11 @@ impl Rule for TruncatedLiteral {
     }
 }
 
-fn lateral_mm(error_rad: f64, limits: &Limits) -> f64 {
-    limits.range_m * error_rad.sin() * 1000.0
-}
-
 fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limits) -> Option<Finding> {
     let worst = short.first()?;
     let place = |short: &TruncatedPi| Place::text(source, short.literal.span);
-    let error_mm = lateral_mm(worst.error_rad(), limits);
+    let range_m = limits.range_m;
+    let error_mm = range_m * worst.error_rad().sin() * 1000.0;
     let others = match short.len() - 1 {
         0 => String::new(),
         1 => " (and one more angle)".to_owned(),
@@ -102,16 +97,15 @@ fn finding(world: &World, source: SourceId, short: &[TruncatedPi], limits: &Limi
     let or = expression(worst.exact, world.path(source)).map_or_else(String::new, |text| format!(", or as `{text}`"));
     let finding = Finding::note(subject, message, place(worst))
         .label(format!("{} is meant", worst.exact))
-        .detail(format!("At {} m this is {error_mm:.1} mm.", limits.range_m))
+        .detail(format!(
+            "A point at a distance of {range_m} m is off by {error_mm:.1} mm."
+        ))
         .help(format!("write the angle with all digits{or}"))
         .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
-        .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
+        .measured(Measured::new(format!("error of a point at {range_m} m"), error_mm, "mm").limit(limits.lateral_mm));
     // Five digits are enough for most uses: only a hint.
-    let finding = if error_mm > limits.lateral_mm {
-        finding
-    } else {
-        finding.hint()
-    };
+    let is_large = error_mm > limits.lateral_mm;
+    let finding = if is_large { finding } else { finding.hint() };
     let mut finding = with_fix(finding, "write all digits", Safety::Safe, edits);
     for other in short.iter().skip(1).take(limits.shown) {
         finding = finding.related(place(other), format!("{} of {}", other.literal.text, other.name));

@@ -103,6 +103,21 @@ pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
     [Vector3::x(), Vector3::y(), Vector3::z()].map(letter).concat()
 }
 
+/// Where the axes point, in words: `FLU` is x forward, y left, z up.
+fn spelled(axes: &str) -> String {
+    let word = |letter| match letter {
+        'F' => "forward",
+        'B' => "back",
+        'L' => "left",
+        'R' => "right",
+        'U' => "up",
+        _ => "down",
+    };
+    let pairs = ["x", "y", "z"].into_iter().zip(axes.chars());
+    let words: Vec<String> = pairs.map(|(axis, letter)| format!("{axis} {}", word(letter))).collect();
+    words.join(", ")
+}
+
 fn judge_statement(
     world: &World,
     dataset: &NamedDataset,
@@ -112,16 +127,15 @@ fn judge_statement(
     out: &mut Judge,
 ) {
     let (Dataset { name, .. }, turn) = (&*dataset.row, statement.pose.rotation);
+    let source_frame = &statement.source_frame;
     let subject = format!(
-        "`{}` from `{}` by {} in {}",
+        "`{}` from `{source_frame}` by {} in {}",
         statement.target,
-        statement.source_frame,
         statement.who,
         world.path(statement.place.source)
     );
     let off = off_deg(&turn, target, source);
-    let measured =
-        Measured::new(format!("rotation from the convention of {name}"), off, "deg").limit(limits.max_off_deg);
+    let measured = Measured::new(format!("angle from the rotation of {name}"), off, "deg").limit(limits.max_off_deg);
     if off <= limits.max_off_deg {
         return out.pass(subject, [measured]);
     }
@@ -132,46 +146,62 @@ fn judge_statement(
     let [w, x, y, z] = if is_row { [z, w, x, y] } else { [x, y, z, w] };
     let reordered = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
     let (relation, what, why) = if fits(&turn.inverse()) {
-        ("inverse", "is the inverse of", String::new())
+        (
+            "inverse",
+            format!("is the inverse of the {name} transform"),
+            String::new(),
+        )
     } else if statement.is_bare_quaternion() && fits(&reordered) {
-        let why = " In the other order of the four numbers it matches.".to_owned();
-        ("quaternion-order", "has another quaternion order than", why)
+        let why = " In the other order of the four numbers the rotation matches.".to_owned();
+        (
+            "quaternion-order",
+            format!("is not in the quaternion order of {name}"),
+            why,
+        )
     } else {
         let found = nearest_word(&(rotation(&target.axes) * turn));
         let why = format!(
-            " If `{}` has the axes {}, it gives `{}` about {found}, but {name} has {} (forward, back, left, right, up, down for x, y, z).",
-            statement.target, target.axes.word, statement.source_frame, source.axes.word
+            " The stated rotation gives `{source_frame}` about {}, if `{}` has {}. In {name} `{source_frame}` has {}.",
+            spelled(&found),
+            statement.target,
+            spelled(&target.axes.word),
+            spelled(&source.axes.word)
         );
-        ("axes", "is rotated from", why)
+        ("axes", format!("is rotated from the {name} transform"), why)
     };
     let expected = Isometry3::from_parts(
         nalgebra::Translation3::identity(),
         rotation(&target.axes).inverse() * rotation(&source.axes),
     );
     let (roll, pitch, yaw) = expected.rotation.euler_angles();
-    let message = format!(
-        "`{}`: `{}_from_{}` {what} the {name} transform",
-        world.path(statement.place.source),
-        statement.target,
-        statement.source_frame
-    );
+    let message = format!("`{}` -> `{source_frame}` {what} ({off:.0} deg off)", statement.target);
     let to_do = match relation {
-        "quaternion-order" if is_row => "write the quaternion as w, x, y, z: then it is",
-        "quaternion-order" => "write the quaternion as x, y, z, w: then it is",
-        "inverse" => "invert it (R transposed, t = -R^T t), or exchange its two frames: then it is",
-        _ => "convert it to",
+        "quaternion-order" if is_row => "write the quaternion as w, x, y, z, to get a rotation of",
+        "quaternion-order" => "write the quaternion as x, y, z, w, to get a rotation of",
+        "inverse" => {
+            "invert the transform (R transposed, t = -R^T t) or swap the names of the two frames, to get a rotation of"
+        }
+        _ => "set the rotation to",
     };
+    let any_yaw = if target.any_yaw || source.any_yaw {
+        ", apart from the yaw of this sensor"
+    } else {
+        ""
+    };
+    let entry = if is_row { "entry " } else { "" };
     let mut finding = Finding::error(subject, message, statement.place.clone())
         .likely()
         .confidence(statement.reading)
         .relation(relation)
-        .detail(format!("Stated by {}, {off:.0} deg off.{why}", statement.who))
+        .detail(format!(
+            "Stated by {entry}{}.{why} Source of the convention: {}.",
+            statement.who, dataset.row.source
+        ))
         .help(format!(
-            "{to_do} about RPY({:.0}, {:.0}, {:.0}) deg, as {name} has it ({}), or remove `dataset` from the configuration if the data are of another one",
+            "{to_do} about RPY({:.0}, {:.0}, {:.0}) deg{any_yaw}; if the data are not of {name}, remove `dataset` from the configuration",
             whole_degrees(roll),
             whole_degrees(pitch),
-            whole_degrees(yaw),
-            dataset.row.source
+            whole_degrees(yaw)
         ))
         .measured(measured);
     if let Some(place) = &dataset.place {

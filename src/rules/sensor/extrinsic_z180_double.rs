@@ -139,7 +139,7 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
         format!(
-            "size of the map if the lidar were turned by 180 deg, relative to the map as mounted, over {:.0} m",
+            "size of the map (the sharper, the smaller), lidar rotated by 180 deg / as mounted, {:.0} m driven",
             maps.way_m
         ),
         ratio,
@@ -158,26 +158,30 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTes
     };
     let own = edges.iter().filter(is_own).find(|edge| is_half(edge));
     let mounting = edges.iter().find(|edge| !is_own(edge));
-    let (relation, what) = match (own, lidar_turn::axes(world, clouds)) {
+    let (relation, what, other) = match (own, lidar_turn::axes(world, clouds)) {
         (Some(own), _) => (
             "z180-twice",
             format!(
-                "The half turn of an Ouster is applied twice: the mounting contains it (it was made with clouds in the Lidar frame), and \
-                 `{}_from_{}` applies it again",
+                "The half turn of an Ouster is applied twice: the mounting contains the half turn (made with clouds in the Lidar \
+                 frame), and `{}` -> `{}` applies the half turn again",
                 own.parent, own.child
             ),
+            "",
         ),
         (None, Some(Axes::Lidar)) => (
             "z180-missing",
             "The clouds are expressed in the Lidar frame (x towards the connector), but the mounting was made for the Sensor frame".to_owned(),
+            "Sensor",
         ),
         (None, Some(Axes::Sensor)) => (
             "z180-extra",
             "The clouds are expressed in the Sensor frame (x away from the connector), but the mounting was made for the Lidar frame".to_owned(),
+            "Lidar",
         ),
         (None, None) => (
             "z180",
             "Of the Lidar and the Sensor frame, the clouds are expressed in one, and the mounting was made for the other".to_owned(),
+            "other",
         ),
     };
     let direction = crate::analysis::cross::direction::direction_fit(world, clouds);
@@ -186,23 +190,34 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTes
         crate::analysis::cross::direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
     });
     let message = format!(
-        "`{}_from_{}` is off by 180 deg about z, compared with {}",
+        "`{}` -> `{}` is rotated by 180 deg about z, compared with {}",
         test.body, test.lidar, test.poses.0
     );
     let mut finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .unless(codes::CROSS04)
-        .related(test.poses.1.clone(), "compared with this motion")
+        .related(test.poses.1.clone(), "motion that the clouds are compared with")
         .detail(format!("{what}{or}."));
     if let Some(edge) = mounting.or(edges.first()) {
         let right = edge.pose * half_turn();
         let q = right.rotation.coords;
+        let or = if other.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "; or publish the clouds in the {other} frame (ouster-ros: `point_cloud_frame`), but do not do both"
+            )
+        };
         finding = finding.help(format!(
-            "rotate `{}_from_{}` by 180 deg about z of `{}` (quaternion x y z w: {:.6} {:.6} {:.6} {:.6}, same translation), or publish the \
-             clouds in the other frame (`point_cloud_frame` of ouster-ros)",
+            "rotate `{}` -> `{}` by 180 deg about z of `{}`: quaternion x y z w = [{:.6}, {:.6}, {:.6}, {:.6}], same translation{or}",
             edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
         ));
+        let mut known = world.graph().edges_to(&edge.child);
+        let stated = known.find(|known| known.parent == edge.parent);
+        if let Some(place) = stated.and_then(|stated| crate::analysis::places::of_edge(world, stated)) {
+            finding = finding.related(place, format!("`{}` -> `{}`", edge.parent, edge.child));
+        }
     }
     let finding = match lidar_turn::half_turn(world, clouds, &test.body, &test.lidar) {
         Some(Origin::OusterFrame) => finding.unless(codes::SENSOR01),

@@ -8,17 +8,12 @@ use crate::world::{BagEvidence, FrameId, World};
 
 pub(crate) struct ImuSharesLidarFrame;
 
-/// Limits of SENSOR05: it has none.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Limits {}
-
 impl Rule for ImuSharesLidarFrame {
     const NEEDS: &'static [Need] = &[Need::Bag];
     const SAMPLE: SampleSize = SampleSize::LEAST;
-    type Limits = Limits;
+    type Limits = NoLimits;
 
-    fn judge(world: &Estimates, _: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, _: &NoLimits, out: &mut Judge) {
         for bag in &world.bags {
             let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
             let said = bag.topics.values().flat_map(TopicEvidence::contents);
@@ -40,15 +35,11 @@ fn judge_imu(world: &World, bag: &BagEvidence, imu: &TopicContent<'_>, clouds: &
     if clouds.is_empty() {
         return out.missing(subject, "no point cloud in the recording");
     }
-    let frames: Vec<FrameId> = imu.header_frames.keys().map(FrameId::canonical).collect();
-    let named = |frame: &&FrameId| !frame.as_str().is_empty();
+    let frames = imu.header_frames.keys().map(FrameId::canonical);
+    let named: Vec<FrameId> = frames.filter(|frame| !frame.as_str().is_empty()).collect();
     let shares = |cloud: &TopicEvidence| {
         let theirs: Vec<FrameId> = cloud.header_frames.keys().map(FrameId::canonical).collect();
-        frames
-            .iter()
-            .filter(named)
-            .find(|frame| theirs.contains(frame))
-            .cloned()
+        named.iter().find(|frame| theirs.contains(frame)).cloned()
     };
     let shared = clouds.iter().find_map(|cloud| Some((*cloud, shares(cloud)?)));
     let Some((cloud, frame)) = shared else {
@@ -74,8 +65,12 @@ fn finding(
 ) -> Finding {
     let words = [imu.topic.words(), cloud.words()].concat();
     let place = |first: Option<&MessageRef>| Place::of(bag.source, first);
+    let topic = &imu.topic.topic;
     let known = world.tables.lidar_imu(&words);
     let lever = known.as_ref().and_then(|known| known.lever_mm);
+    let publish = format!(
+        "set the frame_id of `{topic}` to a frame of the IMU alone, and publish the static transform `{frame}` -> that frame"
+    );
     let (detail, help) = match (&known, lever) {
         (Some(known), Some([x, y, z])) => (
             format!(
@@ -83,24 +78,26 @@ fn finding(
                 known.name
             ),
             format!(
-                "publish the IMU in a frame of its own, with a static transform of ({}, {}, {}) m from `{frame}`",
+                "{publish} with the translation ({:.4}, {:.4}, {:.4}) m",
                 x / 1e3,
                 y / 1e3,
                 z / 1e3
             ),
         ),
         (Some(known), None) => (
-            format!("In a {} the two have different origins.", known.name),
-            format!("publish the IMU in a frame of its own, with a static transform from `{frame}` by the data sheet"),
+            format!("In a {} the IMU and the cloud have different origins.", known.name),
+            format!("{publish} from the data sheet"),
         ),
         (None, _) => (
-            "That is right only if both have the same origin and axes.".to_owned(),
-            format!("if they differ, publish the IMU in a frame of its own, with a static transform from `{frame}`"),
+            "One frame is right only if the IMU and the cloud have the same origin and axes.".to_owned(),
+            format!("if origin or axes differ, {publish}"),
         ),
     };
+    let norm_mm = lever.map(|[x, y, z]| (x * x + y * y + z * z).sqrt());
+    let apart = norm_mm.map_or_else(String::new, |mm| format!(", {mm:.0} mm from the IMU"));
     let message = format!(
-        "`{}`: the IMU uses `{frame}`, the frame of the cloud on `{}`",
-        imu.topic.topic, cloud.topic
+        "`{topic}` has the frame of the cloud on `{}`, `{frame}`{apart}",
+        cloud.topic
     );
     let finding = Finding::warning(subject, message, place(imu.first))
         .related(place(cloud.stamps.first.as_ref()), "the cloud")
@@ -111,8 +108,12 @@ fn finding(
     } else {
         finding.hint()
     };
-    match lever {
-        Some([x, y, z]) => finding.measured(Measured::new("lever arm", (x * x + y * y + z * z).sqrt(), "mm")),
+    match norm_mm {
+        Some(mm) => finding.measured(Measured::new(
+            "distance of the IMU from the origin of the cloud",
+            mm,
+            "mm",
+        )),
         None => finding.measured(Measured::count("topics in that frame", 2)),
     }
 }

@@ -80,24 +80,36 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
         let why = format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains");
         return out.not_applicable(subject, why);
     };
+    let (compared, track) = match &sensor.heading {
+        Ok(heading) => (
+            format!("Compared with the course of {}. ", heading.track),
+            Some(&heading.track_at),
+        ),
+        Err(_) => (String::new(), None),
+    };
     let message = format!(
-        "`{}`: yaw is {offset:.0} deg from the course, probably by a driver setting ({})",
+        "`{}`: yaw minus course is {offset:.0} deg, probably by a driver setting ({})",
         imu.stream.topic, driver.name
     );
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("driver-setting")
         .detail(format!(
-            "{} has that offset where {}. Mounting: {}.",
+            "{compared}{} has this offset where {}. Mounting: {}.",
             driver.name,
             known.what,
             imu.mounting()
         ))
         .help(format!(
-            "{}; if the sensor is mounted with that yaw instead, add it to its frame in TF or URDF",
+            "correct the driver, or the mounting:\n(1) {}\n(2) if the driver is set like this, and the sensor is mounted with this yaw, state \
+             a yaw of {offset:+.0} deg in the sensor's transform (TF or URDF)",
             known.setting
         ))
         .measured(measured);
+    let finding = match track {
+        Some(place) => finding.related(place.clone(), "compared with this track"),
+        None => finding,
+    };
     out.fail(imu.stream.expressed_in.annotate(finding));
 }
 

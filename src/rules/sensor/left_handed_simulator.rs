@@ -1,7 +1,7 @@
 //! SENSOR09: poses of a simulator whose world is left-handed.
 
+use crate::analysis::axes::{causes::Base, gyro_vs_track, hand, handedness, sensors::Sensors};
 use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Track};
-use crate::analysis::{axes::causes::Base, axes::sensors::Sensors};
 use crate::rules::prelude::*;
 use crate::tables::Simulator;
 use crate::world::motion::{FixRow, PoseRow};
@@ -12,6 +12,8 @@ pub(crate) struct LeftHandedSimulator;
 struct Handedness {
     is_left_handed: bool,
     words: String,
+    /// What the track was compared with.
+    place: Place,
     measured: Measured,
 }
 
@@ -20,62 +22,57 @@ impl Rule for LeftHandedSimulator {
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _: &NoLimits, out: &mut Judge) {
-        let (tracks, turns) = (
-            world.limits::<crate::analysis::axes::handedness::Limits>(),
-            world.limits::<crate::analysis::axes::gyro_vs_track::Limits>(),
-        );
+        let tracks = world.limits::<handedness::Limits>();
+        let turns = world.limits::<gyro_vs_track::Limits>();
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
             let Some(simulator) = &bag.simulator else { continue };
             // Only an upright gyro shows the handedness of the track.
-            let upright = bag
-                .imus
-                .iter()
-                .zip(sensors.of_bag(index))
-                .filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
+            let placed = bag.imus.iter().zip(sensors.of_bag(index));
+            let upright = placed.filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
             let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
-            for poses in bag
-                .poses
-                .iter()
-                .filter(|poses| poses.is_of_world() && !poses.is_earth_centred())
-            {
+            let of_world = bag.poses.iter().filter(|poses| poses.is_of_world());
+            for poses in of_world.filter(|poses| !poses.is_earth_centred()) {
                 let track = poses.track();
-                let handed = by_satellites(bag, &track, &tracks)
-                    .into_iter()
-                    .chain(by_gyros(&imus, &track, &turns))
-                    .collect();
+                let mut handed = by_satellites(bag, &track, &tracks);
+                handed.extend(by_gyros(&imus, &track, &turns));
                 judge_track(poses, simulator, handed, out);
             }
         }
     }
 }
 
-fn by_satellites(
-    bag: &BagMotion,
-    track: &Track,
-    limits: &crate::analysis::axes::handedness::Limits,
-) -> Vec<Handedness> {
-    let handedness = |fixes: &Stream<FixRow>| {
-        let hand = crate::analysis::axes::hand::hand(fixes, track, limits)?;
+fn by_satellites(bag: &BagMotion, track: &Track, limits: &handedness::Limits) -> Vec<Handedness> {
+    let measure = |fixes: &Stream<FixRow>| {
+        let hand = hand::hand(fixes, track, limits)?;
         Some(Handedness {
             is_left_handed: hand.is_mirrored,
-            words: format!("the poses mirror the GNSS track on `{}`", fixes.topic),
+            words: format!("the poses are a mirror image of the GNSS track on `{}`", fixes.topic),
+            place: fixes.place(),
             measured: hand.measured,
         })
     };
-    bag.fixes.iter().filter_map(handedness).collect()
+    bag.fixes.iter().filter_map(measure).collect()
 }
 
-fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_vs_track::Limits) -> Vec<Handedness> {
-    let handedness = |imu: &&Imu| {
-        let gain = crate::analysis::axes::gyro_vs_track::gain(imu, track, limits)?;
+fn by_gyros(imus: &[&Imu], track: &Track, limits: &gyro_vs_track::Limits) -> Vec<Handedness> {
+    let measure = |imu: &&Imu| {
+        let gain = gyro_vs_track::gain(imu, track, limits)?;
         Some(Handedness {
             is_left_handed: gain < 0.0,
-            words: format!("the upright gyro of `{}` turns the opposite way", imu.stream.topic),
-            measured: Measured::new("yaw rate of the gyro / turn rate of the course", gain, "1"),
+            words: format!(
+                "the yaw rate of `{}`, whose z points up, is {gain:.2} times the turn rate of the poses, expected +1",
+                imu.stream.topic
+            ),
+            place: imu.stream.place(),
+            measured: Measured::new(
+                format!("yaw rate of `{}` / turn rate of the poses", imu.stream.topic),
+                gain,
+                "1",
+            ),
         })
     };
-    imus.iter().filter_map(handedness).collect()
+    imus.iter().filter_map(measure).collect()
 }
 
 fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, handed: Vec<Handedness>, out: &mut Judge) {
@@ -101,11 +98,21 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, handed: Vec<Hande
     let finding = Finding::error(subject, message, poses.place())
         .likely()
         .relation("left-handed")
-        .detail(format!("Evidence: {}.", words.join("; ")))
+        .detail(format!(
+            "Evidence: {}. The axes of {} are {}.",
+            words.join("; "),
+            simulator.name,
+            simulator.axes
+        ))
         .help(format!(
-            "convert the poses to ROS: {}. {} is {}",
-            simulator.conversion, simulator.name, simulator.axes
+            "convert the poses to ROS with the values of {}: {}",
+            simulator.name, simulator.conversion
         ));
-    let finding = poses.expressed_in.annotate(finding);
-    out.fail(finding.measured(left.into_iter().map(|one| one.measured)));
+    let mut finding = poses.expressed_in.annotate(finding);
+    for one in left {
+        finding = finding
+            .related(one.place, "compared with this motion")
+            .measured(one.measured);
+    }
+    out.fail(finding);
 }

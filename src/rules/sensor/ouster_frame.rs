@@ -1,6 +1,6 @@
 //! SENSOR01: an Ouster cloud that is expressed in the other one of its two frames.
 
-use crate::analysis::sensor::ouster_look::{AzimuthFit, Limits, first, is_organised, look, share};
+use crate::analysis::sensor::ouster_look::{Limits, first, is_organised, look, share};
 use crate::analysis::{lidar::Clouds, ouster, ouster::Axes};
 use crate::rules::prelude::*;
 use crate::verdict::plot::{Axis, Plot, Series};
@@ -36,25 +36,20 @@ fn set_to(world: &World, clouds: &Clouds) -> String {
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("frame of the cloud");
     let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
-    let AzimuthFit {
-        axes,
-        azimuth_rad,
-        measured,
-    } = match look(clouds, limits) {
-        Ok(seen) => seen,
+    let fit = match look(clouds, limits) {
+        Ok(fit) => fit,
         Err(why) => return little(why, out),
     };
     out.plot(&subject, || plot(clouds, limits));
-    let azimuth_deg = azimuth_rad.to_degrees();
-    let seen = axes;
-    let frame = clouds.frame();
-    let Some(seen) = seen else {
+    let azimuth_deg = fit.azimuth_rad.to_degrees();
+    let Some(seen) = fit.axes else {
         let why = format!(
             "the first column is at {azimuth_deg:.0} deg; the Lidar frame has it at 0, the Sensor frame at 180: {}",
             set_to(world, clouds)
         );
         return little(why, out);
     };
+    let frame = clouds.frame();
     let Some((frame, said)) = frame.and_then(|frame| Some((frame.clone(), Axes::of(&frame)?))) else {
         let why = format!(
             "the cloud is expressed in the {} frame, but its frame name does not state which of the two it is (`os_lidar` or `os_sensor`)",
@@ -63,26 +58,29 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         return out.missing(subject, why);
     };
     if said == seen {
-        return out.pass(subject, measured);
+        return out.pass(subject, fit.measured);
     }
     let message = format!(
-        "`{}`: frame is `{frame}`, but the cloud is expressed in the {} frame (180 deg off)",
+        "`{}`: frame_id is `{frame}`, but the points are in the {} frame (180 deg off)",
         clouds.topic.topic,
         seen.word()
     );
+    let [right, wrong] = [seen, said].map(|axes| axes.word().to_lowercase());
+    let named = frame.as_str().strip_suffix(wrong.as_str());
+    let named = named.map_or_else(|| "the other frame".to_owned(), |stem| format!("`{stem}{right}`"));
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation("z180")
         .detail(format!(
-            "The first column is at {azimuth_deg:.0} deg; in the {} frame it is at {:.0} deg.",
+            "The azimuth of the first column is {azimuth_deg:.0} deg; in the {} frame it would be {:.0} deg. The two frames differ by 180 deg \
+             about z and by the height of the beams.",
             said.word(),
             said.azimuth_rad().to_degrees()
         ))
-        .help(
-            "set `point_cloud_frame` of ouster-ros to the frame that the calibration was made in, and name the frame accordingly. ROS 1 publishes \
-             the Sensor frame, ROS 2 the Lidar frame; the two differ by 180 deg about z and by the height of the beams",
-        );
-    out.fail(finding.measured(measured));
+        .help(format!(
+            "set the frame_id of the cloud to {named} (with ouster-ros by `point_cloud_frame`)"
+        ));
+    out.fail(finding.measured(fit.measured));
 }
 
 /// The azimuth of the points along the turn, of the first cloud that determines it, with the lines of the two frames.

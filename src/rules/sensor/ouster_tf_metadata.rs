@@ -34,8 +34,6 @@ type KnownPlace = (Vector3<f64>, String);
 struct Statement<'p, 'w> {
     part: &'p Part<'w>,
     subject: String,
-    /// The file that it is in.
-    path: String,
     /// The positions that it may have.
     known: Vec<KnownPlace>,
     /// The positions of other models.
@@ -81,7 +79,6 @@ impl<'p, 'w> Statement<'p, 'w> {
                 part.statement.who,
                 path(part)
             ),
-            path: path(part),
             known: if is_stated {
                 by_metadata.collect()
             } else {
@@ -131,12 +128,14 @@ impl<'p, 'w> Statement<'p, 'w> {
         }
         let (relation, what, why) = self.fault(turned_deg, off_mm, limits);
         let ([x, y, z], who) = (<[f64; 3]>::from(nearest.0), &nearest.1);
-        let message = format!(
-            "`{}`: `{}_from_{}` {what}",
-            self.path, statement.target, statement.source_frame
-        );
+        let message = format!("`{}` -> `{}` {what}", statement.target, statement.source_frame);
         let detail = format!(
-            "{why}Expected is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who}).",
+            "{why}Expected in the {} frame: x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who}).",
+            if self.part.kind == OusterPart::Beam {
+                "Lidar"
+            } else {
+                "Sensor"
+            },
             match self.part.kind {
                 OusterPart::Lidar => ", rotated by 180 deg about z",
                 OusterPart::Imu | OusterPart::Beam => ", not rotated",
@@ -149,11 +148,25 @@ impl<'p, 'w> Statement<'p, 'w> {
         } else {
             Finding::warning(self.subject.clone(), message, statement.place.clone()).hint()
         };
-        let finding = finding.confidence(statement.reading).relation(relation).detail(detail).help(
-            "use `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata: they are the poses of the parts in the \
-             Sensor frame, in millimetres",
-        );
-        out.fail(finding.measured(measured));
+        let help = self.step(relation);
+        let finding = finding.confidence(statement.reading).relation(relation).detail(detail);
+        out.fail(finding.help(help).measured(measured));
+    }
+
+    /// What to do, by the relation.
+    fn step(&self, relation: &str) -> &'static str {
+        match relation {
+            _ if self.part.metadata.is_some() => {
+                "read the metadata from the sensor again: their transforms are in millimetres"
+            }
+            "inverse" => "invert the transform: the pose of the child in the parent is meant",
+            "identity" => "set the yaw of the Lidar frame in the Sensor frame to 180 deg (pi)",
+            "unit" => "convert the translation to metres",
+            _ => {
+                "use `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata: the poses of the parts in the \
+                 Sensor frame, in millimetres"
+            }
+        }
     }
 
     fn max_mm(&self, limits: &Limits) -> f64 {

@@ -108,7 +108,7 @@ fn judge_stream(
         // A calendar clock with an offset is judged by TIME01 and TIME02.
         out.not_applicable(
             subject,
-            format!("stamps are {offset:.1} s from the log clock, but in calendar time"),
+            format!("stamps are {offset:.1} s from the recorder's clock, but in calendar time"),
         );
     } else {
         out.pass(subject, [measured]);
@@ -137,7 +137,7 @@ fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
 
 fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
     let message = format!(
-        "{}: stamps are near {stamp_s:.1} s, the log clock is calendar time",
+        "{}: stamps are near {stamp_s:.1} s, the recorder's clock is calendar time",
         stream.subject
     );
     Finding::error(stream.subject.clone(), message, stream.place())

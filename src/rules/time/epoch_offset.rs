@@ -1,4 +1,4 @@
-//! TIME01: stamps differ from the log clock by an offset with a known cause.
+//! TIME01: stamps differ from the recorder's clock by an offset with a known cause.
 
 use std::collections::BTreeMap;
 
@@ -97,7 +97,7 @@ fn judge_stream(
         }
         (Explanation::Unknown, _) => {
             let why = format!(
-                "stamps are {offset:.3} s from the log clock, and no known epoch or leap second has that offset"
+                "stamps are {offset:.3} s from the recorder's clock, and no known epoch or leap second has that offset"
             );
             not_applicable(out, &why)
         }
@@ -137,7 +137,7 @@ fn finding(stream: &Stream<'_>, named: &KnownOffset, (reference, far_s): (&str, 
     let way = if measured.value > 0.0 { "ahead of" } else { "behind" };
     let cause = brief(&named.what);
     let message = format!(
-        "{}: stamps are {:.2} s {way} {reference}: {cause}",
+        "{}: stamps {:.2} s {way} {reference}: {cause}",
         stream.subject,
         measured.value.abs()
     );

@@ -23,16 +23,17 @@ impl Rule for LeapTableExpiry {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let table = leap_seconds();
         for bag in &world.bags {
-            let subject = format!("log clock of {}", world.path(bag.source));
+            let subject = format!("recorder's clock of {}", world.path(bag.source));
             let (Some(end_ns), Clock::Calendar) = (bag.end_ns, log_clock(bag)) else {
-                out.not_applicable(subject, "the log clock is not calendar time");
+                out.not_applicable(subject, "the recorder's clock is not calendar time");
                 continue;
             };
             let days = (end_ns as f64 / 1e9 - table.expires.unix_s as f64) / 86_400.0;
-            let measured = Measured::new("recorded after the table's end", days, "d").limit(limits.beyond_days);
+            let measured =
+                Measured::new("end of the recording after the end of the table", days, "d").limit(limits.beyond_days);
             if days > limits.absurd_days {
                 let why = format!(
-                    "the log clock is {days:.0} days past the end of the leap second table: it was probably not set"
+                    "the recorder's clock is {days:.0} days past the end of the leap second table: it was probably not set"
                 );
                 out.not_evaluated(subject, NotEvaluated::InputBroken, why);
                 continue;
@@ -42,16 +43,17 @@ impl Rule for LeapTableExpiry {
                 continue;
             }
             let (gps, tai) = (table.gps_minus_utc_s(f64::MAX), table.tai_minus_utc_s(f64::MAX));
-            let message =
-                format!("the recording is {days:.0} days newer than the table of leap seconds in frames-lint");
+            let (end, expires) = (day(end_ns / 1_000_000_000), day(table.expires.unix_s));
+            let message = format!("recording ends on {end}, the table of leap seconds in frames-lint on {expires}");
             out.fail(
                 Finding::note(subject, message, Place::whole(bag.source))
                     .detail(format!(
-                        "It ends on {}, the table on {}. GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since then.",
-                        day(end_ns / 1_000_000_000),
-                        day(table.expires.unix_s)
+                        "GPS - UTC = {gps} s and TAI - UTC = {tai} s may have changed since {expires}: findings on leap seconds may be wrong \
+                         by one second."
                     ))
-                    .help("install a newer release of frames-lint; until then, an offset from leap seconds may be wrong by one second. If the recording is not that new, its clock was wrong")
+                    .help(format!(
+                        "install a newer release of frames-lint; if the recording was not made on {end}, correct the clock of the recorder"
+                    ))
                     .measured(measured),
             );
         }

@@ -75,16 +75,20 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         );
         let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place())
             .hint()
-            .detail("Nothing in the recording shows how fast the platform moves. Without times the smear cannot be corrected.");
-        let measured = [Measured::new("time of a scan", period_s, "s").limit(limits.max_period_s)];
-        return out.fail(named(finding, most.is_some()).measured(measured));
+            .detail("Nothing in the recording shows how fast the platform moves. Without the times of the points, the smear cannot be corrected.");
+        let measured = [Measured::new("duration of a scan", period_s, "s").limit(limits.max_period_s)];
+        return out.fail(named(finding, clouds, most.is_some()).measured(measured));
     };
     let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;
     let measured = [
-        Measured::new(format!("smear at {} m", limits.at_m), smear_m, "m").at_least(limits.min_smear_m),
-        Measured::new("speed", fastest.speed_m_s, "m/s"),
-        Measured::new("turn rate", fastest.rate_rad_s.to_degrees(), "deg/s"),
-        Measured::new("time of a scan", period_s, "s"),
+        Measured::new(format!("smear at {} m", limits.at_m), smear_m, "m").limit(limits.min_smear_m),
+        Measured::new("speed of the platform (95th percentile)", fastest.speed_m_s, "m/s"),
+        Measured::new(
+            "turn rate of the platform (95th percentile)",
+            fastest.rate_rad_s.to_degrees(),
+            "deg/s",
+        ),
+        Measured::new("duration of a scan", period_s, "s"),
     ];
     if smear_m < limits.min_smear_m {
         let why =
@@ -97,8 +101,10 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     );
     let finding = Finding::new(severity, subject, message, clouds.place())
         .likely()
-        .detail("The speed and the turn rate are 95th percentiles. Without times the smear cannot be corrected.");
-    out.fail(named(finding, most.is_some()).measured(measured));
+        .detail("Without the times of the points, the smear cannot be corrected.");
+    // A speed or a turn rate of zero is one that nothing shows.
+    let shown = measured.into_iter().filter(|one| one.value > 0.0);
+    out.fail(named(finding, clouds, most.is_some()).measured(shown));
 }
 
 /// Whether the points are known to be measured one after the other: by a driver recognised by its fields, or by the ring number of each point.
@@ -106,11 +112,25 @@ fn spins(clouds: &Clouds) -> bool {
     clouds.driver.is_some() || RING_FIELDS.iter().any(|name| clouds.datatype(name).is_some())
 }
 
-fn named(finding: Finding, is_constant: bool) -> Finding {
-    let finding = finding.help(
-        "publish the time of each point from the driver (Ouster `t`, Velodyne `time`, Hesai and RoboSense `timestamp`: point type \
-         XYZIRT), or record the packets",
+/// Words of topics, and the field in which that maker's driver publishes the times.
+const FIELDS: &[(&str, &str)] = &[
+    ("ouster", "Ouster: field `t`"),
+    ("velodyne", "Velodyne: field `time`"),
+    ("hesai", "Hesai: field `timestamp`"),
+    ("robosense", "RoboSense: field `timestamp`, point type XYZIRT"),
+    ("rslidar", "RoboSense: field `timestamp`, point type XYZIRT"),
+];
+
+fn named(finding: Finding, clouds: &Clouds, is_constant: bool) -> Finding {
+    let words = clouds.topic.words();
+    let own = FIELDS.iter().find(|(maker, _)| words.iter().any(|word| word == maker));
+    let field = own.map_or(
+        "Ouster: field `t`, Velodyne: `time`, Hesai and RoboSense: `timestamp`",
+        |(_, field)| *field,
     );
+    let finding = finding.help(format!(
+        "publish the time of each point from the driver ({field}), or record the packets of the lidar"
+    ));
     finding.relation(if is_constant { "constant" } else { "missing" })
 }
 

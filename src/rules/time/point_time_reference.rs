@@ -2,7 +2,7 @@
 
 use crate::analysis::lidar::Clouds;
 use crate::analysis::time::header::{Limits, points_after_header_s};
-use crate::analysis::time::known_offsets::{Explanation, Tolerance, explain};
+use crate::analysis::time::known_offsets::{Explanation, KnownOffset, Tolerance, explain};
 use crate::analysis::time::streams::log_start_s;
 use crate::rules::prelude::*;
 use crate::world::cloud::{CloudSample, PointTimes};
@@ -74,22 +74,31 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         of.sum::<f64>() / timings.len() as f64
     };
     let measured = [
-        Measured::new("first point after the header", mean(0), "s").samples(timings.len() as u64),
-        Measured::new("last point after the header", mean(1), "s").samples(timings.len() as u64),
+        Measured::new("time of the first point minus header stamp", mean(0), "s").samples(timings.len() as u64),
+        Measured::new("time of the last point minus header stamp", mean(1), "s").samples(timings.len() as u64),
     ];
     let place = |timing: &ScanTiming| Place::message(clouds.bag.source, timing.sample.at.clone());
     if most == Moment::Elsewhere {
-        let message = format!(
-            "`{}`: the header stamp is outside of the scan: points are {:+.3} to {:+.3} s after it",
-            clouds.topic.topic,
-            mean(0),
-            mean(1)
-        );
+        let (middle_s, topic) = (f64::midpoint(mean(0), mean(1)), &clouds.topic.topic);
+        let (size_s, way) = (middle_s.abs(), if middle_s > 0.0 { "ahead of" } else { "behind" });
+        let (message, help) = match cause(clouds, middle_s) {
+            Some(known) => (
+                format!("`{topic}`: points are {size_s:.1} s {way} the header: {}", known.what),
+                format!(
+                    "change the times of the points by {:+} s, or stamp header and points with one clock",
+                    -known.offset_s
+                ),
+            ),
+            None => (
+                format!("`{topic}`: header stamp is outside of the scan: points are {size_s:.3} s {way} the header"),
+                "stamp header and points with one clock, the header at the first or the last point of the scan"
+                    .to_owned(),
+            ),
+        };
         let finding = Finding::warning(subject, message, clouds.place())
             .likely()
             .relation("elsewhere")
-            .detail(cause(clouds, f64::midpoint(mean(0), mean(1))))
-            .help("use one clock for the header and the points, and stamp the header at the first or the last point of the scan");
+            .help(help);
         return out.fail(finding.measured(measured));
     }
     let other = timings.iter().find(|timing| timing.moment != most);
@@ -106,24 +115,24 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             .likely()
             .relation("changes")
             .help(
-                "stamp every scan at the same moment: look for lost packets, or a clock that is set while recording. Deskewing needs one \
-                 fixed reference",
+                "stamp every scan at the same moment, which deskewing needs; usual causes are lost packets, and a clock that is set while \
+                 recording",
             );
         return out.fail(finding.measured(measured));
     }
     out.pass(subject, measured);
 }
 
-/// The known cause of the time from the header to the middle of its scan, in words.
-fn cause(clouds: &Clouds, middle_s: f64) -> String {
+/// The known cause of the time from the header to the middle of its scan.
+fn cause(clouds: &Clouds, middle_s: f64) -> Option<KnownOffset> {
     let period_s = clouds.period_s().unwrap_or(0.0);
     let tolerance = Tolerance {
         usual_s: period_s,
         fine_s: period_s,
     };
     match explain(middle_s, tolerance, log_start_s(clouds.bag)) {
-        Explanation::One(known) => format!("The times of the points minus the header's stamp: {}.", known.what),
-        _ => String::new(),
+        Explanation::One(known) => Some(known),
+        _ => None,
     }
 }
 

@@ -57,16 +57,20 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
             return out.too_little(subject, why);
         }
     };
+    let opposite = match seen {
+        Sweep::Clockwise => Sweep::CounterClockwise,
+        Sweep::CounterClockwise => Sweep::Clockwise,
+    };
     let measured = [
         Measured::new(
-            "how steadily the points sweep in the direction found (1: perfectly)",
+            format!("fit of a {} sweep (1: perfect)", seen.words()),
             sweeps.iter().map(|one| one.1).fold(1.0, f64::min),
             "1",
         )
         .at_least(limits.min_resultant)
         .samples(sweeps.len() as u64),
         Measured::new(
-            "the same for the other direction",
+            format!("fit of a {} sweep (1: perfect)", opposite.words()),
             sweeps.iter().map(|one| one.2).fold(0.0, f64::max),
             "1",
         ),
@@ -102,7 +106,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
     } else {
         (
             Confidence::Hint,
-            "Only the fields of the points show which lidar it is, and others may have the same.",
+            "Only the fields of the points show the maker of the lidar, and points of other makers may have the same fields.",
         )
     };
     let finding = Finding::warning(subject, message, clouds.place())

@@ -109,7 +109,7 @@ fn judge_bag(
         }
     }
     for together in [later, sooner] {
-        report_once(together, "do the same", out);
+        report_once(together, "are off by the same amount", out);
     }
 }
 
@@ -151,7 +151,12 @@ fn measured(first: &Signal, offset: &Offset, limit_s: f64) -> [Measured; 2] {
         )
         .limit(limit_s)
         .spread(offset.sigma_s),
-        Measured::new("correlation", offset.correlation, "1").samples(count(offset.n_eff)),
+        Measured::new(
+            format!("correlation of the {}s", offset.by.words()),
+            offset.correlation,
+            "1",
+        )
+        .samples(count(offset.n_eff)),
     ]
 }
 
@@ -199,12 +204,14 @@ fn late(
     let size_s = offset.in_stamps_s.abs();
     let message = format!("{} is stamped {size_s:.3} s {way} {}", second.subject, words(first));
     let detail = format!(
-        "Compared by the motion that both measured; the offset (+-{:.3} s) is the same in all parts of the recording. The data do not \
-         show which of the two is wrong.",
-        limits.sigmas * offset.sigma_s
+        "Compared by the {} that both show. The offset is the same in all parts of the recording, to +-{:.3} s ({} times the spread). The \
+         data do not show which of the two is wrong.",
+        offset.by.words(),
+        limits.sigmas * offset.sigma_s,
+        limits.sigmas
     );
     let help = format!(
-        "find out which of the two is not stamped with the time of measurement, and correct that one: {} the stamps of {}, or {} those of {}",
+        "correct the stamps that are not the time of measurement:\n(1) {} the stamps of {}\n(2) or {} the stamps of {}",
         correction(-offset.in_stamps_s),
         second.subject,
         correction(offset.in_stamps_s),
@@ -215,6 +222,6 @@ fn late(
         .likely()
         .detail(detail)
         .help(help)
-        .related(first.place.clone(), words(first));
+        .related(first.place.clone(), "compared with this motion");
     finding.measured(measured)
 }

@@ -138,9 +138,8 @@ fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
         return None;
     }
     let what = format!(
-        "{}: {:.0} % of the stamps repeat the previous one",
-        stream.subject,
-        share * 100.0
+        "{}: {} of {} stamps repeat the previous stamp",
+        stream.subject, stamps.repeated, stamps.count
     );
     Some(
         Finding::note(stream.subject.clone(), what, at(stream, message))
@@ -149,7 +148,7 @@ fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
             } else {
                 "Filters divide by a time step of zero."
             })
-            .help("stamp each message with the time of its own measurement")
+            .help("stamp each message with the time of its measurement; publish data that do not change (a calibration) once, latched")
             .measured(
                 Measured::new("share of repeated stamps", share, "1")
                     .limit(limits.repeated_share)

@@ -1,4 +1,4 @@
-//! TIME02: stamps run late, ahead, or at another rate than the log clock.
+//! TIME02: stamps run late, ahead, or at another rate than the recorder's clock.
 
 mod lateness;
 
@@ -32,7 +32,7 @@ impl Rule for StampVsLog {
     }
 }
 
-/// Whether the stream's stamps are the time of measurement and can be compared with the log clock.
+/// Whether the stream's stamps are the time of measurement and can be compared with the recorder's clock.
 fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
@@ -84,7 +84,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             .spread(spread)
             .at_least(-late_s);
         if named || !naming.is_comparable(stream) {
-            let why = format!("stamps are {offset:.3} s from the log clock, on another clock or time scale");
+            let why = format!("stamps are {offset:.3} s from the recorder's clock, on another clock or time scale");
             out.not_applicable(stream.subject.clone(), why);
         } else {
             out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);
@@ -93,7 +93,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
     found
 }
 
-/// Reports faults of one kind and size as one finding, since they have one cause. Where all of several streams have it, the log clock
+/// Reports faults of one kind and size as one finding, since they have one cause. Where all of several streams have it, the recorder's clock
 /// itself is probably wrong.
 fn report(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) {
     found.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.size.total_cmp(&b.size)));
@@ -108,12 +108,12 @@ fn report(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge
         }
         let all = findings.len() == judged && findings.len() >= limits.all_streams;
         if let (true, Some(first)) = (all, findings.first_mut()) {
-            "check the recorder's clock: all streams agree with each other and not with the log clock. Probably another \
-             recording was played back while recording, or the recorder's clock was not set"
+            "set the clock of the recording computer before recording, and play back no other recording meanwhile: all streams \
+             agree with each other, but not with this clock"
                 .clone_into(&mut first.help);
             first.severity = first.severity.min(Severity::Warning);
             first.confidence = first.confidence.min(Confidence::Likely);
         }
-        report_once(findings, "do the same", out);
+        report_once(findings, "are off by the same amount", out);
     }
 }

@@ -60,7 +60,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
         } else {
             out.missing(
                 stream.subject.clone(),
-                "neither the log clock nor a sensor's stamps are of the same kind and rate to compare with",
+                "neither the recorder's clock nor a sensor's stamps are of the same kind and rate to compare with",
             );
         }
     }
@@ -85,7 +85,7 @@ fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     false
 }
 
-/// How far an edge's stamps are ahead of the log clock or of the sensors, whichever is nearer: seconds, and of which.
+/// How far an edge's stamps are ahead of the recorder's clock or of the sensors, whichever is nearer: seconds, and of which.
 ///
 /// Only constant offsets are compared: where a clock runs at another rate, medians of streams that were recorded at
 /// different times differ for that reason alone.
@@ -103,46 +103,58 @@ fn lead(
     let same_clock = sensors.iter().filter(|sensor| sensor.clock() == stream.clock());
     let theirs: Vec<f64> = same_clock.filter_map(|sensor| steady(sensor)).collect();
     let from_sensors = median(&theirs).map(|theirs| (offset - theirs, "the sensors' stamps"));
-    let from_log = naming.is_comparable(stream).then_some((offset, "log time"));
+    let from_log = naming.is_comparable(stream).then_some((offset, "the recorder's clock"));
     let both = from_log.into_iter().chain(from_sensors);
     both.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))
 }
 
+/// A stream in a headline.
+fn named(stream: &Stream<'_>) -> String {
+    match stream.of {
+        StreamSource::Edge(edge) => format!("`{}` -> `{}` on `{}`", edge.parent, edge.child, edge.topic),
+        StreamSource::Topic(_) => stream.subject.clone(),
+    }
+}
+
 fn off(stream: &Stream<'_>, of: &str, measured: Measured) -> Finding {
     let lead_s = measured.value;
-    let (way, help) = if lead_s > 0.0 {
+    let (way, detail, help) = if lead_s > 0.0 {
         (
             "ahead of",
-            "stamp the transform with the time of the estimate. A localisation may stamp it ahead by its `transform_tolerance`, at \
-             most a second; beyond that, look-ups return poses that are not known yet",
+            "tf2 look-ups at these times return poses that are not known yet.",
+            "stamp the transform with the time of the estimate; keep `transform_tolerance` of a localisation at 1 s or less",
         )
     } else {
         (
             "behind",
-            "stamp the transform with the time of the estimate. Look-ups at the sensors' stamps wait that long, or fail",
+            "tf2 look-ups at the stamps of the sensors wait that long, or fail.",
+            "stamp the transform with the time of the estimate, and publish the transform without delay",
         )
     };
-    let message = format!("{}: stamps are {:.2} s {way} {of}", stream.subject, lead_s.abs());
+    let message = format!("{}: stamps are {:.2} s {way} {of}", named(stream), lead_s.abs());
     Finding::warning(stream.subject.clone(), message, stream.place())
         .likely()
+        .detail(detail)
         .help(help)
         .measured(measured)
 }
 
 fn unique(stream: &Stream<'_>, limits: &Limits) -> Measured {
     Measured::new("share of new stamps", 1.0 - stream.repeated_share(), "1")
-        .limit(limits.unique_share)
+        .at_least(limits.unique_share)
         .samples(stream.stamps.count)
 }
 
 fn one_stamp(stream: &Stream<'_>, limits: &Limits) -> Finding {
     let message = format!(
         "{}: {} of {} messages repeat the previous stamp",
-        stream.subject, stream.stamps.repeated, stream.stamps.count
+        named(stream),
+        stream.stamps.repeated,
+        stream.stamps.count
     );
     Finding::warning(stream.subject.clone(), message, stream.place())
         .likely()
         .detail("The content of the messages is from different times.")
-        .help("stamp each message with its own time, not with that of the first message or of the start")
+        .help("stamp each message with the time of its own content, not with the time of the first message or of the start")
         .measured(unique(stream, limits))
 }

@@ -14,13 +14,12 @@ impl Rule for BaseFootprint {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for footprint in &world.graph().frames {
             let name = footprint.as_str();
-            let (namespace, last) = name.rsplit_once('/').map_or(("", name), |(space, last)| (space, last));
+            let (namespace, last) = name.rsplit_once('/').unwrap_or(("", name));
             if last != "base_footprint" {
                 continue;
             }
             let base = FrameId::new(name.replace("base_footprint", "base_link"));
-            let mut measured = Vec::new();
-            let mut findings = Vec::new();
+            let (mut measured, mut findings) = (Vec::new(), Vec::new());
             let by_rank = |a: &Mount, b: &Mount| a.rank(limits).total_cmp(&b.rank(limits));
             if let Some(worst) = mounts(world, footprint, &base).into_iter().max_by(by_rank) {
                 judge_mount(footprint, &base, &worst, limits, &mut measured, &mut findings);
@@ -54,23 +53,23 @@ fn judge_mount(
     measured: &mut Vec<Measured>,
     findings: &mut Vec<Finding>,
 ) {
-    let yaw = Measured::new("yaw difference", mount.yaw_deg, "deg")
+    let (yaw_deg, below_m) = (mount.yaw_deg, mount.below_m);
+    let yaw = Measured::new("yaw between base and footprint", yaw_deg, "deg")
         .turn()
         .limit(limits.max_yaw_deg);
-    let below = Measured::new("base below footprint", mount.below_m, "m").limit(limits.max_below_m);
+    let below = Measured::new("height of the footprint above the base", below_m, "m").limit(limits.max_below_m);
     let finding = |message| Finding::warning(subject(footprint), message, mount.place.clone()).likely();
-    if mount.yaw_deg > limits.max_yaw_deg {
-        let help = "give both the same yaw: base_footprint is base_link without roll, pitch and height (REP-120)";
-        let finding = finding(format!(
-            "`{base}` is rotated by {:.1} deg about z of `{footprint}`",
-            mount.yaw_deg
-        ));
-        findings.push(finding.help(help).measured(yaw.clone()));
+    if yaw_deg > limits.max_yaw_deg {
+        let help = format!(
+            "set the yaw between the two to 0: `{footprint}` is `{base}` without roll, pitch and height (REP-120)"
+        );
+        let message = format!("`{base}` is rotated by {yaw_deg:.1} deg about z of `{footprint}`");
+        findings.push(finding(message).help(help).measured(yaw.clone()));
     }
-    if mount.below_m > limits.max_below_m {
-        let help = "check the sign of z, and which of the two is the parent: base_footprint is on the ground";
-        let finding = finding(format!("`{base}` is {:.3} m below `{footprint}`", mount.below_m));
-        findings.push(finding.help(help).measured(below.clone()));
+    if below_m > limits.max_below_m {
+        let help = format!("negate z of this transform: `{footprint}` is on the ground, `{base}` is above");
+        let message = format!("`{base}` is {below_m:.3} m below `{footprint}`");
+        findings.push(finding(message).help(help).measured(below.clone()));
     }
     measured.extend([yaw, below]);
 }
@@ -98,9 +97,9 @@ fn judge_tilt(
             Finding::warning(subject(footprint), message, place.clone())
                 .detail("One of the two has z down: an FRD body or an NED world; these data cannot distinguish them.")
                 .help(format!(
-                    "publish `{parent}` -> `{child}` with a forward-left-up body in a z-up world (REP-103): `R_flu = R_frd * F` with \
-                     F = diag(1, -1, -1) for the body, or `R_enu = P * R_ned` and position (y, x, -z) for the world, where P \
-                     exchanges x and y and negates z"
+                    "publish `{parent}` -> `{child}` with a forward-left-up body in a z-up world (REP-103):\n\
+                     (1) if the body is FRD: `R_flu = R_frd * diag(1, -1, -1)`\n\
+                     (2) if the world is NED: position (y, x, -z) and `R_enu = P * R_ned`, where P exchanges x and y and negates z"
                 ))
         } else if child == footprint {
             let message = format!("`{footprint}` is tilted by {deg:.1} deg in `{parent}` (95th percentile)");
@@ -110,9 +109,10 @@ fn judge_tilt(
         } else {
             let message =
                 format!("`{footprint}` is fixed to `{child}` and tilts with it in `{parent}`, by {deg:.1} deg");
+            let help = format!("do not use `{footprint}` as the ground while the vehicle rolls, pitches or climbs");
             Finding::note(subject(footprint), message, place.clone())
                 .detail("The tilt is the 95th percentile.")
-                .help("do not use it as the ground while the vehicle rolls, pitches or climbs")
+                .help(help)
         };
         findings.push(finding.likely().measured(tilt.clone()));
     }

@@ -123,15 +123,18 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
     let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
     let shown: Vec<String> = jumps.iter().take(SHOWN).map(|jump| jump.words(bag)).collect();
     let more = jumps.len().saturating_sub(SHOWN);
-    let list = format!(
-        "Jumps: {}{}.",
-        shown.join(", "),
-        if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        }
-    );
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    let list = match jumps {
+        [jump] => format!(
+            "The jump is {:.1} s after the start of the recording.",
+            jump.since_s(bag)
+        ),
+        _ => format!("Jumps, with the time since the start: {}{more}.", shown.join(", ")),
+    };
     let keepers = keepers(bag, &edge.parent);
     let place = |jump: &Jump| Place::message(bag.source, jump.at.after.at.clone());
     let asked = jumps.iter().all(|jump| was_asked(bag, jump, limits.initial_pose_s));
@@ -139,29 +142,29 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
     let first = worst.map_or_else(|| Place::whole(bag.source), |jump| place(jump));
     let largest = |of: fn(&Jump) -> f64| jumps.iter().map(|jump| of(jump)).fold(0.0, f64::max);
     let message = format!(
-        "`{parent}` -> `{child}` jumps {}, and moves the vehicle by up to {:.2} m and {:.1} deg",
+        "`{parent}` -> `{child}` jumps {} {:.2} m and {:.1} deg",
         if jumps.len() == 1 {
-            "once".to_owned()
+            "once and moves the vehicle by".to_owned()
         } else {
-            format!("{} times", jumps.len())
+            format!("{} times and moves the vehicle by up to", jumps.len())
         },
         largest(|jump| jump.m),
         largest(|jump| jump.deg),
     );
     let finding = if asked {
         Finding::note(subject, message, first)
-            .detail(format!("An initial pose was set just before. {list}"))
-            .help("check that someone set the pose by hand; nothing else is to do then")
+            .detail(format!("A message on `initialpose` came just before each jump. {list}"))
+            .help("do nothing if an operator set the initial pose; otherwise stop the node that publishes on `initialpose`")
     } else if keepers.is_empty() {
         Finding::note(subject, message, first).detail(list).help(format!(
-            "drop or move data that are kept in `{parent}` when it jumps, which a localizer may do (REP-105)"
+            "drop or move data that are kept in `{parent}` at each jump (REP-105 allows a localizer to jump)"
         ))
     } else {
         let verb = if keepers.len() == 1 { "is" } else { "are" };
         let detail = format!("{} {verb} expressed in `{parent}`. {list}", keepers.join(", "));
         Finding::warning(subject, message, first).detail(detail).help(format!(
-            "keep running data in `{child}`, or drop or move what is kept in `{parent}` at these times; \
-             check the localizer if it was not a loop closure"
+            "keep running data in `{child}`, or drop or move data in `{parent}` at each jump; \
+             check the localizer if the jump is not a loop closure"
         ))
     };
     let others = jumps

@@ -42,8 +42,8 @@ fn judge_odom(
             .map_or((0.0, 0.0), |(_, rad, m)| (*m, rad.to_degrees()))
     });
     let moves = change.0 > limits.constant_m || change.1 > limits.constant_deg;
-    let shift = Measured::new("change of the correction", change.0, "m").limit(limits.constant_m);
-    let turn = Measured::new("change of the correction", change.1, "deg").limit(limits.constant_deg);
+    let shift = Measured::new("change of the correction, position", change.0, "m").limit(limits.constant_m);
+    let turn = Measured::new("change of the correction, rotation", change.1, "deg").limit(limits.constant_deg);
     let misnamed = bag
         .topics
         .values()
@@ -72,12 +72,17 @@ fn judge_odom(
     match drift.is_significant(limits) {
         Some(true) => {
             let message = format!(
-                "`{map}` -> `{odom}` is constant, but the odometry drifts by {:.2} m over {:.0} m",
+                "`{map}` -> `{odom}` is constant, but the odometry drifts by {:.2} m in {:.0} m of driving",
                 drift.by_m, drift.way_m
             );
             let finding =
                 Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone())).likely();
-            let finding = finding.detail(format!("{seen}. The drift is relative to {}.", drift.against));
+            let finding = finding.detail(format!(
+                "{seen}. The drift is relative to {}; the limit is {} % of the path, and at least {} m.",
+                drift.against,
+                100.0 * limits.drift_share,
+                limits.drift_m
+            ));
             let finding = finding.help(format!(
                 "run the localizer that publishes `{map}` -> `{odom}`: with a constant transform, `{map}` drifts like `{odom}`"
             ));

@@ -73,11 +73,11 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             .confidence(published_reading(world, other))
             .label(format!("makes `{}` the parent of `{child}`", edge.parent))
             .help(
-                "remove one of the two, or publish the transform to the root of the other tree: a frame has one parent",
+                "remove one of the two transforms, or publish the transform to the root of the other tree: a frame has one parent",
             )
             .measured(Measured::count("parents", 2).limit(1.0));
         if let Some(place) = places::of_edge(world, other) {
-            finding = finding.related(place, format!("makes `{}` its parent", other.parent));
+            finding = finding.related(place, format!("makes `{}` the parent of `{child}`", other.parent));
         }
         let closes = [edge, other]
             .iter()
@@ -203,13 +203,13 @@ fn judge_child(
     let subject = format!("frame `{child}`");
     let listed = tf::listed(parents);
     let finding = if is_latched {
-        let message = format!(
-            "`{child}` has {} parents in TF ({listed}), at least one of them latched",
-            parents.len()
-        );
+        let message = format!("`{child}` has {} parents in TF: {listed}", parents.len());
         Finding::error(subject, message, place)
-            .detail("A listener keeps the parent that it received last.")
-            .help("publish one parent only; the wrong one must not be latched, since a latched transform cannot be withdrawn")
+            .detail(
+                "At least one of the parents is static. Listeners use the parent that they received last, and keep static transforms until they \
+                 restart.",
+            )
+            .help("stop the node that publishes the wrong parent, and restart the listeners")
     } else if is_fight {
         let message = format!(
             "`{child}` switches {switches} times between {} parents in TF ({listed})",
@@ -220,7 +220,7 @@ fn judge_child(
                 "Two broadcasters publish the frame. tf2 stores transforms by child, and does not interpolate across a \
                  change of parent.",
             )
-            .help("find the second broadcaster and stop it: often a driver and a filter both publish odometry")
+            .help("stop the second broadcaster (often a driver and a filter both publish odometry)")
     } else {
         let times = if switches == 1 {
             "once".to_owned()
@@ -228,17 +228,34 @@ fn judge_child(
             format!("{switches} times")
         };
         let message = format!("`{child}` changes its parent {times} in TF ({listed})");
-        Finding::note(subject, message, place)
-            .help("check that the frame is moved on purpose; look-ups across the change return the older parent")
+        Finding::note(subject, message, place).help(format!(
+            "check that `{child}` is handed over on purpose; look-ups across the change return the older parent"
+        ))
     };
-    let switches = Measured::new("changes of parent", switches as f64, "count").at_least(limits.min_switches as f64);
-    let mut finding = finding
-        .measured(Measured::count("parents", parents.len()).limit(1.0))
-        .measured(switches);
+    let mut finding = finding.measured(Measured::count("parents", parents.len()).limit(1.0));
+    if !is_latched {
+        let switches = Measured::new("changes of parent", switches as f64, "count");
+        finding = finding.measured(if is_fight {
+            switches.at_least(limits.min_switches as f64)
+        } else {
+            switches
+        });
+    }
     for parent in parents {
         if let Some(edge) = edges.iter().find(|edge| edge.parent.canonical() == *parent) {
-            let note = format!("first with parent `{parent}`, {} in total", edge.count);
-            finding = finding.related(Place::message(bag.source, edge.first_at.clone()), note);
+            let kind = if edge.is_static {
+                "static transform"
+            } else {
+                "transform"
+            };
+            let note = format!("first {kind} with parent `{parent}` ({} in total)", edge.count);
+            let place = Place::message(bag.source, edge.first_at.clone());
+            let is_primary = finding.places.first().is_some_and(|label| label.place == place);
+            finding = if is_primary {
+                finding.label(note)
+            } else {
+                finding.related(place, note)
+            };
         }
     }
     finding

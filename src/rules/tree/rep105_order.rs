@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use crate::analysis::{names, names::Standard};
+use crate::analysis::{names, names::Standard, places};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World, graph::FrameGraph};
 
@@ -63,30 +63,21 @@ fn nearest_standard(graph: &FrameGraph, frame: &FrameId, namespace: &str) -> Opt
 }
 
 /// A finding at the edge that gives `frame` its parent.
-fn at_edge(world: &World, frame: &FrameId, is_error: bool, message: String) -> Option<Finding> {
-    let place = world
-        .graph()
-        .edges_to(frame)
-        .find_map(|edge| crate::analysis::places::of_edge(world, edge))?;
-    let subject = format!("frame `{frame}`");
-    let finding = if is_error {
-        Finding::error(subject, message, place)
-    } else {
-        Finding::warning(subject, message, place)
-    };
-    Some(
-        finding
-            .likely()
-            .measured(Measured::count("frames out of order", 1).limit(0.0)),
-    )
+fn at_edge(world: &World, frame: &FrameId, severity: Severity, message: String) -> Option<Finding> {
+    let mut edges = world.graph().edges_to(frame);
+    let place = edges.find_map(|edge| places::of_edge(world, edge))?;
+    let finding = Finding::new(severity, format!("frame `{frame}`"), message, place).likely();
+    Some(finding.measured(Measured::count("frames out of order", 1).limit(0.0)))
 }
 
 fn reversed(world: &World, frame: &FrameId, above: &FrameId) -> Option<Finding> {
-    let message = format!("`{frame}` is below `{above}`; REP-105 requires earth -> map -> odom -> base_link");
-    let finding = at_edge(world, frame, true, message)?;
+    let is_child = world.graph().parents_of(frame).contains(above);
+    let kin = if is_child { "child" } else { "descendant" };
+    let message = format!("`{frame}` is a {kin} of `{above}`; REP-105 requires earth -> map -> odom -> base_link");
+    let finding = at_edge(world, frame, Severity::Error, message)?;
     Some(
         finding
-            .label(format!("places `{frame}` below `{above}`"))
+            .label(format!("makes `{frame}` a {kin} of `{above}`"))
             .help(format!("publish the inverse transform, with `{frame}` as the parent")),
     )
 }
@@ -103,17 +94,21 @@ fn past_odom(
         .frames
         .iter()
         .find(|other| names::standard(other) == Some((namespace, Standard::Odom)))?;
-    let message = format!("`{frame}` is below `{map}` without `{odom}` in between, although `{odom}` exists");
-    let finding = at_edge(world, frame, false, message)?;
-    Some(finding.label(format!("places `{frame}` below `{map}`")).help(format!(
-        "let the localizer publish `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
-    )))
+    let message = format!("`{frame}` is a descendant of `{map}` but not of `{odom}` (REP-105: map -> odom -> base)");
+    let finding = at_edge(world, frame, Severity::Warning, message)?;
+    Some(
+        finding
+            .label(format!("makes `{frame}` a descendant of `{map}`"))
+            .help(format!(
+                "let the localizer publish `{map}` -> `{odom}` instead, so that `{odom}` -> `{frame}` stays smooth"
+            )),
+    )
 }
 
 fn under_sensor(world: &World, frame: &FrameId, sensor: &FrameId) -> Option<Finding> {
     let message = format!("sensor `{sensor}` is the parent of `{frame}`; the base should be the parent of its sensors");
-    let finding = at_edge(world, frame, false, message)?;
-    Some(finding.label(format!("places `{frame}` below `{sensor}`")).help(format!(
+    let finding = at_edge(world, frame, Severity::Warning, message)?;
+    Some(finding.label(format!("makes `{frame}` a child of `{sensor}`")).help(format!(
         "publish the mounting transform as `{frame}` -> `{sensor}` (the inverse); then odometry can be the parent of the base"
     )))
 }

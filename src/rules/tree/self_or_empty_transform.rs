@@ -1,7 +1,7 @@
 //! TREE04: transforms of a frame to itself, and transforms without a frame.
 
 use crate::rules::prelude::*;
-use crate::source::Confidence;
+use crate::source::{Confidence, SourceValue};
 use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
 
 pub(crate) struct SelfOrEmptyTransform;
@@ -21,37 +21,41 @@ impl Rule for SelfOrEmptyTransform {
     }
 }
 
-/// What is wrong with a pair of names as tf2 sees it, and the name that tf2 gives the fault.
-fn fault(parent: &FrameId, child: &FrameId) -> Option<(&'static str, &'static str)> {
+/// What is wrong with a pair of names as tf2 sees it, the name that tf2 gives the fault, and what a broadcaster should set.
+fn fault(parent: &FrameId, child: &FrameId) -> Option<(&'static str, &'static str, &'static str)> {
     let (parent, child) = (parent.canonical(), child.canonical());
-    if child.as_str().is_empty() {
-        Some(("has no child frame", "TF_NO_CHILD_FRAME_ID"))
-    } else if parent.as_str().is_empty() {
-        Some(("has no parent frame", "TF_NO_FRAME_ID"))
-    } else if parent == child {
-        Some(("relates a frame to itself", "TF_SELF_TRANSFORM"))
-    } else {
-        None
+    match (parent.as_str(), child.as_str()) {
+        (_, "") => Some(("has no child frame", "TF_NO_CHILD_FRAME_ID", "child_frame_id")),
+        ("", _) => Some(("has no parent frame", "TF_NO_FRAME_ID", "header.frame_id")),
+        (parent, child) if parent == child => Some((
+            "relates a frame to itself",
+            "TF_SELF_TRANSFORM",
+            "the real parent and the real child",
+        )),
+        _ => None,
     }
 }
 
 fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let mut failed = false;
     for edge in &bag.tf {
-        let Some((what, word)) = fault(&edge.parent, &edge.child) else {
+        let Some((what, word, missing)) = fault(&edge.parent, &edge.child) else {
             continue;
         };
         failed = true;
-        let message = format!(
-            "`{}` -> `{}` on `{}` {what}: tf2 drops it",
-            edge.parent, edge.child, edge.topic
-        );
+        let pair = format!("`{}` -> `{}`", edge.parent, edge.child);
+        let message = format!("{pair} on `{}` {what}: tf2 drops the transform", edge.topic);
         let place = Place::message(bag.source, edge.first_at.clone());
-        let subject = format!("`{}` -> `{}` on {}", edge.parent, edge.child, edge.topic);
+        let subject = format!("{pair} on {}", edge.topic);
+        let child = edge.child.canonical();
+        let is_stripped = edge.parent != edge.child && edge.parent.canonical() == child;
+        let slash = is_stripped.then(|| format!("tf2 strips the leading slash, so both names are `{child}`. "));
         out.fail(
             Finding::error(subject, message, place)
-                .detail(format!("tf2 logs {word}."))
-                .help("set both frame ids in the broadcaster, or stop it if it has no transform to publish")
+                .detail(format!("{}tf2 logs {word}.", slash.unwrap_or_default()))
+                .help(format!(
+                    "set {missing} in the broadcaster, or stop the broadcaster if this transform is not needed"
+                ))
                 .measured(Measured::new("dropped transforms", edge.count as f64, "count").limit(0.0)),
         );
     }
@@ -64,13 +68,11 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
 
 /// Joints that name an empty link. A joint from a link to itself is refused by the URDF rules.
 fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
+    let is_empty = |end: &&SourceValue<String>| FrameId::new(end.value.as_str()).canonical().as_str().is_empty();
     let mut failed = false;
     for joint in &robot.joints {
         for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
-            let Some(end) = end
-                .as_ref()
-                .filter(|end| FrameId::new(end.value.as_str()).canonical().as_str().is_empty())
-            else {
+            let Some(end) = end.as_ref().filter(is_empty) else {
                 continue;
             };
             failed = true;
@@ -91,20 +93,17 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
 
 fn judge_files(world: &World, out: &mut Judge) {
     let (mut judged, mut failed) = (0, false);
-    for claim in &world.claims {
-        // Frames that are guessed from a key prove nothing.
+    // Frames that are guessed from a key prove nothing.
+    for claim in world.claims.iter().filter(|claim| claim.reading != Confidence::Hint) {
         let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
             continue;
         };
-        if claim.reading == Confidence::Hint {
-            continue;
-        }
         judged += 1;
-        let Some((what, _)) = fault(target, source) else {
+        let Some((what, ..)) = fault(target, source) else {
             continue;
         };
         failed = true;
-        let message = format!("`{}` (`{target}` from `{source}`) {what}", claim.label);
+        let message = format!("`{}` (`{target}` -> `{source}`) {what}", claim.label);
         let place = claim.source_place.clone().unwrap_or_else(|| claim.place.clone());
         let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
         out.fail(

@@ -115,6 +115,6 @@ fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge]
             "publish it once on `/tf_static`: then late listeners have it for all times, and the recording is smaller",
         )
         .measured(change.samples(edge.count))
-        .measured(Measured::new("time", time_s, "s").at_least(limits.min_time_s));
+        .measured(Measured::new("duration of the data", time_s, "s").at_least(limits.min_time_s));
     Some(if joint.is_some() { finding } else { finding.likely() })
 }

@@ -2,8 +2,9 @@
 
 mod across;
 
-use crate::analysis::tree::latched::{Change, Key, Limits, StableTally, change, difference, latched};
-use crate::math::relation::Relation;
+use crate::analysis::tree::latched::{
+    Change, Key, Limits, StableTally, change, difference, explanation, latched, value,
+};
 use crate::rules::prelude::*;
 use crate::rules::tree::static_transform_changes::across::{FirstValues, judge_across};
 use crate::world::BagEvidence;
@@ -41,7 +42,7 @@ impl Rule for StaticTransformChanges {
                 };
                 match change.severity(limits) {
                     None => calm.add(&change),
-                    Some(severity) => out.fail(within(bag, key, (first, other), severity, limits, edges)),
+                    Some(severity) => out.fail(within(bag, key, (first, other, change), severity, limits, edges)),
                 }
             }
             calm.report(subject, limits, out);
@@ -53,7 +54,7 @@ impl Rule for StaticTransformChanges {
 fn within(
     bag: &BagEvidence,
     (topic, parent, child): &Key,
-    (first, other): (&TfSample, &TfSample),
+    (first, other, change): (&TfSample, &TfSample, Change),
     severity: Severity,
     limits: &Limits,
     edges: &[&TfEdge],
@@ -69,23 +70,24 @@ fn within(
     } else {
         String::new()
     };
-    let after_s = other.at.log_ns.saturating_sub(first.at.log_ns) as f64 / 1e9;
-    let message = format!("latched `{parent}` -> `{child}` has two values{}", difference.words);
-    let why = difference
-        .relation
-        .and_then(Relation::from_word)
-        .map_or("", Relation::describe);
-    let detail = format!("The other value is published on `{topic}` {after_s:.1} s after the first.{by} {why}");
+    let apart_s = other.at.log_ns.abs_diff(first.at.log_ns) as f64 / 1e9;
+    let message = format!(
+        "static `{parent}` -> `{child}` has two values, {} apart",
+        change.words()
+    );
+    let detail = format!(
+        "On `{topic}`, {apart_s:.1} s apart: {}; and {}.{by}{} tf2 uses the last value for all times, also in the past.",
+        value(first),
+        value(other),
+        explanation(&difference)
+    );
     let subject = format!("latched `{parent}` -> `{child}` on {topic}");
     let count = crate::math::stats::total(edges.iter().map(|edge| edge.count));
     let mut finding = Finding::new(severity, subject, message, Place::message(bag.source, other.at.clone()))
-        .label("another value")
-        .detail(detail.trim_end())
-        .help(
-            "find out which value is right, and publish only that one: tf2 uses the last one for all times, also in the \
-             past. A frame that moves belongs on `/tf`",
-        )
-        .related(Place::message(bag.source, first.at.clone()), "first value");
+        .label("the second value")
+        .detail(detail)
+        .help("compare both values with the mounting, and publish only the right one; publish a frame that moves on `/tf`")
+        .related(Place::message(bag.source, first.at.clone()), "the first value");
     finding.measured = difference
         .measured
         .into_iter()

@@ -65,10 +65,18 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
     let Some((first, place)) = last.map(|index| at.remove(index)) else {
         return;
     };
+    let last = format!("`{}` -> `{}`", first.parent, first.child);
+    let help = match at.as_slice() {
+        [(other, _)] => format!(
+            "remove {last} if `{0}` -> `{1}` is right; otherwise remove `{0}` -> `{1}`",
+            other.parent, other.child
+        ),
+        _ => format!("remove {last}; if {last} is right, remove the wrong one of the other transforms of the loop"),
+    };
     let mut finding = Finding::error(subject, message, place)
         .label(format!("makes `{}` the parent of `{}`", first.parent, first.child))
         .detail(detail)
-        .help("remove or invert the transform that closes the loop")
+        .help(help)
         .measured(Measured::count("frames in the loop", cycle.len()).limit(0.0));
     for (edge, place) in at {
         finding = finding.related(place, format!("makes `{}` the parent of `{}`", edge.parent, edge.child));

@@ -56,8 +56,7 @@ fn corrects(edge: &TfEdge) -> bool {
 }
 
 fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge) {
-    let name = format!("`{}` from `{}`", edge.parent, edge.child);
-    let subject = format!("rate of {name} on `{}`", edge.topic);
+    let subject = format!("rate of `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic);
     let steps = &edge.steps;
     if steps.moving == 0 && steps.count > 0 {
         return out.not_applicable(subject, format!("it does not move in {} steps", steps.count));
@@ -87,25 +86,34 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     if times <= 1.0 {
         return out.pass(subject, measured);
     }
-    let message = format!(
-        "`{}` -> `{}` on `{}` is too slow to interpolate: error {:.3} m and {:.2} deg",
-        edge.parent, edge.child, edge.topic, rate.error_m, rate.error_deg
-    );
-    let help = if rate.long_s > 3.0 * rate.usual_s {
-        "find out what delays some of the transforms: most come in time".to_owned()
+    let pair = format!("`{}` -> `{}`", edge.parent, edge.child);
+    let (cause, help) = if rate.long_s > 3.0 * rate.usual_s {
+        (
+            format!("gaps of {:.2} s are too long", rate.long_s),
+            format!(
+                "look for dropped or delayed transforms: the median time between two transforms is only {:.2} s",
+                rate.usual_s
+            ),
+        )
     } else {
-        format!(
-            "publish it at {:.0} Hz or more (now {:.1} Hz)",
-            (times.sqrt() / rate.usual_s).ceil(),
-            1.0 / rate.usual_s
+        let (now, needed) = (1.0 / rate.usual_s, (times.sqrt() / rate.usual_s).ceil());
+        (
+            format!("{now:.1} Hz is too slow"),
+            format!("publish {pair} at {needed:.0} Hz or more (now {now:.1} Hz)"),
         )
     };
+    let message = format!(
+        "{pair}: {cause}, interpolation is off by {:.3} m and {:.2} deg",
+        rate.error_m, rate.error_deg
+    );
     let first = steps.most_surprising.first();
     let place = first.map_or(&edge.first_at, |step| &step.after.at).clone();
     let finding = Finding::warning(subject, message, Place::message(bag.source, place))
         .likely()
         .label("largest deviation from a straight line")
-        .detail("tf2 interpolates linearly between two transforms. The error is how far the path between two transforms bends away from that line, by its acceleration (99th percentile).")
+        .detail(
+            "tf2 interpolates linearly between two transforms. The error is how far a path with the measured acceleration is from that line.",
+        )
         .help(help);
     out.fail(finding.measured(measured));
 }

@@ -39,7 +39,6 @@ impl Rule for ConsumerDisagrees {
 
 /// One parser's refusal is no proof: urdfdom accepts files that it rejects, and vice versa.
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
-    let message = format!("the parser {CONSUMER} rejects robot `{}`", robot.name.value);
     let malformed = robot
         .malformed
         .iter()
@@ -49,11 +48,25 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
         item.places.iter().map(move |place| (place, why.clone()))
     });
     let causes: Vec<(&Place, String)> = malformed.chain(repeated).collect();
-    let help = if causes.is_empty() {
-        "compare the file with the specification of URDF: the parser gives no place"
-    } else {
-        "correct what is marked as a probable cause"
+    let (probably, help) = match causes.first() {
+        None => (
+            "",
+            "compare the file with the specification of URDF: the parser gives no place",
+        ),
+        Some((_, why)) if why.contains("unexpanded") => (
+            ", probably because an expression is not expanded",
+            "expand the file with `xacro`, or write numbers at the marked places",
+        ),
+        Some(_) if !robot.malformed.is_empty() => (
+            ", probably because numbers are malformed",
+            "write plain numbers, separated by spaces, at the marked places",
+        ),
+        Some(_) => (
+            ", probably because an element is repeated",
+            "delete the repeated element at one of the marked places",
+        ),
     };
+    let message = format!("the parser {CONSUMER} rejects robot `{}`{probably}", robot.name.value);
     let finding = Finding::note(
         crate::analysis::urdf::called::robot(world, robot),
         message,
@@ -61,13 +74,17 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     )
     .label("rejected")
     .detail(format!(
-        "Programs in Rust that use it cannot load the robot. Its error: {}.",
+        "Programs in Rust that use {CONSUMER} cannot load the robot. Error of {CONSUMER}: {}.",
         why.trim_start_matches("custom: ")
     ))
     .help(help)
     .measured(Measured::count("parsers that reject the file", 1).limit(0.0));
     let finding = causes.iter().take(3).fold(finding, |finding, (place, why)| {
-        finding.related((*place).clone(), format!("probable cause: {why}"))
+        let note = match causes.first() {
+            Some((_, first)) if first == why && finding.places.len() > 1 => "the same cause".to_owned(),
+            _ => format!("probable cause: {why}"),
+        };
+        finding.related((*place).clone(), note)
     });
     if causes.is_empty() { finding.hint() } else { finding }
 }
@@ -148,7 +165,7 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
         let finding = Finding::error(owner(), message, place)
             .label("read differently")
             .detail(format!("It reads {read:?}."))
-            .help("write plain numbers with a decimal point");
+            .help("write numbers such as `-1.57`");
         Some(finding.measured(measured.limit(limits.number)))
     })
 }

@@ -110,12 +110,12 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         Finding::new(severity(is_slight || is_light), owner, message, place)
             .label("violates the triangle inequality")
             .detail(format!(
-                "The largest principal moment is {} kg m², the sum of the others {} kg m²; for a rigid body it is at most the sum.",
+                "The largest principal moment is {} kg m². In a rigid body it is at most the sum of the two others, {} kg m².",
                 brief(largest),
                 brief(sum)
             ))
             .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
-            .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
+            .measured(Measured::new("largest principal moment, compared with the sum of the others", largest, "kg m²").limit(least + middle))
     } else {
         return None;
     };

@@ -99,7 +99,7 @@ fn fail(world: &World, source: SourceId, attribute: &str, message: String, place
     let subject = format!("`{attribute}` at byte {} of {}", span.start, world.path(source));
     Finding::error(subject, message, place)
         .label("not a list of numbers")
-        .help("write plain numbers with a decimal point, separated by spaces")
+        .help("write numbers such as `-1.57`, separated by spaces")
         .measured(Measured::count("malformed attributes", 1).limit(0.0))
 }
 

@@ -80,10 +80,13 @@ fn finding(
     let detail = match missing.len() - 1 {
         0 => format!("Missing: `{file}`."),
         more => {
-            let others = missing.iter().filter(|(_, mesh)| mesh.filename.value != *file).count();
-            match others {
+            let mut files: Vec<&str> = missing.iter().map(|(_, mesh)| mesh.filename.value.as_str()).collect();
+            files.sort_unstable();
+            files.dedup();
+            match files.len() - 1 {
                 0 => format!("Missing: `{file}`, which {} meshes use.", more + 1),
-                others => format!("Missing: `{file}`, and the files of {others} more meshes."),
+                1 => format!("Missing: `{file}` and one more file."),
+                others => format!("Missing: `{file}` and {others} more files."),
             }
         }
     };
@@ -92,7 +95,7 @@ fn finding(
     let mut finding = Finding::new(severity, subject, message, first.filename.place.clone())
         .label("no such file")
         .detail(detail)
-        .help("correct the path (it is case-sensitive), or add the file; packages are searched in the given paths and in the folders around the URDF: give the path of a package that is elsewhere, too")
+        .help("correct the path (it is case-sensitive), or add the file. If the package is elsewhere, give its folder to frames-lint as one more path")
         .measured(Measured::count("missing meshes", missing.len()).limit(0.0));
     for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
         finding = finding.related(

@@ -70,7 +70,7 @@ fn judge_scale(
             .likely()
             .label("too large for a robot")
             .relation("millimetres")
-            .help("write 0.001 0.001 0.001 for a mesh in millimetres, the inverse of this")
+            .help("write 0.001 0.001 0.001 if the mesh is in millimetres, and 1 1 1 if it is in metres")
             .measured(largest(scaled).limit(limits.huge));
         return Some(finding);
     }
@@ -79,8 +79,8 @@ fn judge_scale(
         let finding = Finding::note(owner, message, scaled.place())
             .label("mirrored")
             .detail(format!("The mesh is `{file}`."))
-            .help("mirror the mesh file itself if that is intended: a negative scale flips the faces inside out")
-            .measured(Measured::new("product of the factors", scaled.factors.iter().product(), "1").at_least(0.0));
+            .help("write positive factors; if a mirrored mesh is intended, mirror the mesh file instead: a negative scale turns its faces inside out")
+            .measured(Measured::new("product of the three factors", scaled.factors.iter().product(), "1").at_least(0.0));
         return Some(finding);
     }
     None

@@ -40,7 +40,7 @@ impl Rule for MissingMimic {
                 mimics += 1;
                 let (name, of) = (&joint.name.value, &mimic.value);
                 let found = joints.get(of.as_str()).copied().unwrap_or(0);
-                let measured = Measured::count("joints of the mimicked name", found);
+                let measured = Measured::count("joints with the mimicked name", found);
                 let message = if found == 0 {
                     format!("joint `{name}` mimics joint `{of}`, which does not exist")
                 } else if name == of {
@@ -50,16 +50,17 @@ impl Rule for MissingMimic {
                     continue;
                 };
                 let near = || Some(index.nearest(&FrameId::new(of), Reach::SUGGESTION)?.frame.as_str());
-                // A name without its prefix: `pinky` for `left_pinky`.
+                // A name without its prefix: `pinky` for `left_pinky`. Where several joints have it, the one that is named most like the mimic.
                 let whole = || {
                     let all = robot.joints.iter().map(|joint| joint.name.value.as_str());
-                    let mut all = all.filter(|known| known.ends_with(&format!("_{of}")));
-                    all.next().filter(|_| all.next().is_none())
+                    let all = all.filter(|known| *known != name && known.ends_with(&format!("_{of}")));
+                    let likeness = |known: &str| name.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
+                    all.max_by_key(|known| (likeness(known), std::cmp::Reverse(*known)))
                 };
                 let near = || folded.get(&of.to_lowercase()).copied().or_else(whole).or_else(near);
                 let help = match near().filter(|_| found == 0) {
                     Some(near) => format!("write `{near}`, if that joint is meant"),
-                    None => "name the joint to follow".to_owned(),
+                    None => "write the name of the joint that it follows".to_owned(),
                 };
                 let finding = Finding::error(
                     crate::analysis::urdf::called::joint(world, robot, joint),

@@ -46,7 +46,7 @@ fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
     }
     if EXTENSIONS.contains(&kind) {
         let message = format!("joint `{name}` has type `{kind}`, which only some parsers know");
-        let finding = Finding::note(owner, message, place).label("an extension");
+        let finding = Finding::note(owner, message, place).label("not in the URDF specification");
         return Some(finding.help("use the file only in simulators that know the type: urdfdom rejects it"));
     }
     let message = if kind.is_empty() {

@@ -133,7 +133,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["compass-yaw"],
         [
             "the yaw is a compass heading",
-            "yaw increases clockwise, opposite to the course",
+            "yaw increases clockwise",
             "does not follow its gyro about z"
         ],
         ["QUAT01", "AXES04"],
@@ -162,7 +162,7 @@ pub(super) static FAULTS: &[Fault] = &[
             "Rx(roll) Ry(pitch) Rz(yaw)"
         ],
         ["QUAT03"],
-        "a minute of motion with roll, pitch and turns, with the IMU's orientation and gyro"
+        "a minute of turns while rolled or pitched by about 10 deg (on a slope), with the IMU's orientation and gyro"
     ),
     imu!(
         "imu-degrees",
@@ -257,7 +257,10 @@ pub(super) static FAULTS: &[Fault] = &[
         Anything,
         |message| message.change_gyro(&diagonal(1.0, 1.0, -1.0)),
         [],
-        ["does not follow its gyro about z", "yaw rate is opposite to the turns"],
+        [
+            "does not follow its gyro about z",
+            "yaw rate has the opposite sign to the turns"
+        ],
         ["QUAT01", "AXES05"],
         WITH_IMU
     ),

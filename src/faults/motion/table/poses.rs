@@ -221,7 +221,7 @@ pub(super) static FAULTS: &[Fault] = &[
             stated * UnitQuaternion::from(Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2))
         }),
         ["rfu"],
-        ["stands on the", "rotated by 90 deg about z relative to the position"],
+        ["stands on the", "for example the yaw by 90 deg"],
         ["QUAT04", "AXES08 velocity", "AXES13"],
         WITH_SENSOR
     ),

@@ -3,7 +3,7 @@
 use super::super::stamps::StampChange;
 use crate::faults::Fault;
 
-/// To record for an offset that the log clock shows.
+/// To record for an offset that the recorder's clock shows.
 const ANY: &str = "the topic with its stamps, on a computer whose clock is set";
 /// To record for an offset that only motion shows.
 const MOTION: &str =
@@ -97,7 +97,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "Stamps are 0.3 s ahead of the measurement.",
         StampChange::Ahead(0.3),
         [],
-        ["ahead of the log clock", "ahead of", "is stamped 0."],
+        ["ahead of the recorder's clock", "ahead of", "is stamped 0."],
         ["TIME02", "TIME09"],
         MOTION
     ),
@@ -107,7 +107,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "Stamps are 0.3 s behind the measurement.",
         StampChange::Ahead(-0.3),
         [],
-        ["behind the log clock", "is stamped 0."],
+        ["behind the recorder's clock", "is stamped 0."],
         ["TIME09"],
         MOTION
     ),

@@ -33,7 +33,7 @@ pub(super) fn judge(
         return out.too_little(subject, "no window of the tracks shows a scale");
     };
     let measured = Measured::new(
-        "metres of the GNSS track for a metre of odometry, minus 1",
+        "length of the GNSS track / length of the odometry track, minus 1",
         scale - 1.0,
         "1",
     )

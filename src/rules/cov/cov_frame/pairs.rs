@@ -143,7 +143,7 @@ fn judge_pair(a: &PoseCovariances, b: &PoseCovariances, turn_rad: f64, limits: &
         Measured::new("difference of the covariances as published", same, "1")
             .limit(limits.same_share)
             .samples(count as u64),
-        Measured::new("difference after the rotation", turned, "1")
+        Measured::new("difference of the covariances after the rotation", turned, "1")
             .limit(limits.same_share)
             .samples(count as u64),
         Measured::new("rotation between the frames", turn_deg, "deg"),
@@ -164,8 +164,8 @@ fn judge_pair(a: &PoseCovariances, b: &PoseCovariances, turn_rad: f64, limits: &
         a.stream.topic, b.stream.topic
     );
     let detail = format!(
-        "They are one track in two frames. The covariances agree to {:.1} %, where the rotation would change them by {:.0} %: one was \
-         not rotated with its pose.",
+        "Both topics have one track, in two frames. The covariances differ by {:.1} %, but rotated from one frame to the other they would \
+         differ by {:.0} %: one covariance was copied and not rotated. The data do not show which.",
         100.0 * same,
         100.0 * distinct
     );
@@ -175,6 +175,6 @@ fn judge_pair(a: &PoseCovariances, b: &PoseCovariances, turn_rad: f64, limits: &
         .label("the covariance in one frame")
         .related(a.stream.place(), "the same covariance in the other frame")
         .detail(detail)
-        .help("rotate the covariance with the pose: `C_b = R C_a R^T` for both 3x3 blocks, with `R` the rotation between the frames");
+        .help("find the topic whose covariance was copied, and rotate both 3x3 blocks there: `C_b = R C_a R^T`, with `R` the rotation that takes vectors from the frame of the original pose (a) to that of this one (b)");
     out.fail(finding.measured(measured));
 }

@@ -4,7 +4,7 @@ use crate::verdict::Finding;
 use crate::world::FrameId;
 
 use crate::analysis::geo::columns::Column;
-use crate::analysis::geo::kinds::single_precision_step_m;
+use crate::analysis::geo::kinds::{Kind, single_precision_step_m};
 
 /// `(x, y, z)`, with the digits that matter.
 fn coordinates(column: &Column) -> String {
@@ -15,11 +15,15 @@ fn coordinates(column: &Column) -> String {
 /// Where the positions of a column are, and what shows their kind.
 fn evidence(column: &Column) -> String {
     let by = if column.is_confirmed {
-        "the GNSS fixes of the recording confirm the kind"
+        "the GNSS fixes of the recording confirm that"
     } else {
-        "the kind is guessed from their size alone"
+        "as far as the size of the numbers shows,"
     };
-    format!("Median position: {}; {by}.", coordinates(column))
+    format!(
+        "Median position: {}; {by} these are {}.",
+        coordinates(column),
+        column.kind.words()
+    )
 }
 
 /// What the positions of a column are.
@@ -47,17 +51,18 @@ pub(crate) fn mixed(frame: &FrameId, column: &Column, local: &Column) -> Finding
         local.subject
     );
     let distance_km = (column.middle - local.middle).norm() / 1e3;
+    let own = if column.kind == Kind::Utm { "utm" } else { "earth" };
     Finding::error("", message, column.place.clone())
         .likely()
         .relation("mixed-coordinates")
         .detail(format!(
-            "{} The local ones have their median at {}, {distance_km:.0} km away.",
+            "{} The median of the local positions is {}: {distance_km:.0} km away from the other median.",
             evidence(column),
             coordinates(local)
         ))
         .related(local.place.clone(), local.kind.words())
         .help(format!(
-            "publish the {} in a frame of their own (`utm`, `earth`), and the transform from it to `{frame}`",
+            "publish the {} in the frame `{own}`, and the transform `{own}` -> `{frame}`",
             column.kind.words()
         ))
 }
@@ -68,26 +73,30 @@ pub(crate) fn earth_centred(frame: &FrameId, column: &Column) -> Finding {
         .likely()
         .relation("ecef")
         .detail(format!(
-            "{} There z does not point up, and x and y span no level plane.",
+            "{} In Earth-centred coordinates z does not point up, and x and y span no level plane.",
             evidence(column)
         ))
         .help(format!(
-            "name the frame `earth`, and publish `earth` -> `{frame}` with a local `{frame}`"
+            "name the frame of these positions `earth`, and publish `earth` -> `{frame}` with a local origin of `{frame}`"
         ))
 }
 
 /// Eastings and northings in a local frame.
 pub(crate) fn grid(frame: &FrameId, column: &Column) -> Finding {
     let step_m = single_precision_step_m(column.middle.amax());
-    let message = format!("{} (float32 step {step_m} m)", positions(frame, column));
+    let message = format!(
+        "{}: positions are UTM coordinates, {:.0} km from the origin of `{frame}`",
+        column.subject,
+        column.middle.norm() / 1e3
+    );
     let finding = Finding::note("", message, column.place.clone())
         .relation("utm")
         .detail(format!(
-            "{} This is allowed, but clouds, meshes and viewers use float32.",
+            "{} This is allowed, but clouds, meshes and viewers use float32, which has steps of {step_m} m there.",
             evidence(column)
         ))
         .help(format!(
-            "subtract a nearby origin in `{frame}`, or name the frame `utm` and publish `utm` -> `{frame}`"
+            "subtract a nearby origin from the positions, and publish that origin as `utm` -> `{frame}`"
         ));
     if column.is_confirmed {
         finding.likely()

@@ -59,16 +59,16 @@ fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mu
         origin.who
     );
     let detail = format!(
-        "The first origin is {}; the farthest later one is offset from it{}.",
+        "The first origin is {}.{}",
         position_text(origin),
-        direction(&apart)
+        direction(&apart, "the farthest later origin")
     );
     out.fail(
         Finding::new(severity, subject, message, origin.place.clone())
             .likely()
             .relation("origin-changed")
             .detail(detail)
-            .help("set the origin once, and start a new map with a new origin: what was mapped before is shifted afterwards")
+            .help("set the origin once, and start a new map with a new origin: what was mapped before the change is shifted")
             .measured(measured),
     );
 }
@@ -82,7 +82,8 @@ fn judge_first_fix(origin: &LocalOrigin, fixes: &Stream<FixRow>, limits: &Limits
         return out.missing(subject, "no message has a fix (status >= 0)");
     };
     let distance_m = origin.at.enu_of(&place).xy().norm();
-    let measured = Measured::new("horizontal distance", distance_m, "m").limit(limits.copied_m);
+    let measured =
+        Measured::new("horizontal distance of the origin from the first fix", distance_m, "m").limit(limits.copied_m);
     if distance_m > limits.copied_m || first.row.status >= CORRECTED {
         return out.pass(subject, [measured]);
     }
@@ -123,8 +124,7 @@ pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
         return None;
     }
-    let message =
-        format!("the map is expressed in east and north (rotated {turned_deg:.2} deg), but nothing states its origin");
+    let message = "the map is expressed in east and north, but nothing states where its origin is";
     let detail = format!(
         "{} puts the origin at {}, within {:.1} m.",
         track.who,
@@ -135,6 +135,6 @@ pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     let finding = finding
         .relation("missing")
         .detail(detail)
-        .help("record a transform from `earth` or the origin's topic, or keep the origin's file with the recording");
+        .help("record the transform from `earth` to the map or the topic of the origin, or keep the file of the origin with the recording");
     Some(finding.measured(Measured::new("rotation from east", turned_deg, "deg").limit(limits.aligned_deg)))
 }

@@ -104,11 +104,11 @@ fn judge_tilts(
         Order::Unknown(why) => out.too_little(subject, why),
         Order::Wrong => {
             let message = format!(
-                "`{topic}`: quaternion is in the order w, x, y, z (tilted by up to {:.0} deg as published)",
+                "`{topic}`: quaternion is in the order w, x, y, z (tilt {:.0} deg as published)",
                 tilts.published.tilt_rad.to_degrees(),
             );
             let detail = format!(
-                "Read as w, x, y, z it stays within {:.0} deg of level while it rotates by {:.0} deg. Whether it is inverted as well cannot be seen from that.",
+                "Read as w, x, y, z, the tilt is {:.0} deg, while the orientation rotates by {:.0} deg.",
                 tilts.reordered.tilt_rad.to_degrees(),
                 tilts.reordered.turned_rad.to_degrees(),
             );
@@ -117,7 +117,7 @@ fn judge_tilts(
                 .relation("wxyz")
                 .detail(detail)
                 .help(format!(
-                    "publish the quaternion on `{topic}` as x, y, z, w: the scalar comes last"
+                    "publish the quaternion on `{topic}` as x, y, z, w (scalar last), then check that yaw increases in a left turn"
                 ));
             out.fail(better(finding.measured(tilts.measured(limits))));
         }

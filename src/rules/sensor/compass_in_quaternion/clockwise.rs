@@ -64,38 +64,46 @@ impl YawZero {
         turns: &heading::Limits,
         limits: &Limits,
     ) -> Finding {
-        let (relation, what, detail) = match self.zero(limits) {
+        let (relation, what, help) = match self.zero(limits) {
             Zero::North => (
                 "compass-yaw",
                 "is a compass heading: clockwise from north, not counter-clockwise from east".to_owned(),
-                "",
+                "publish pi/2 - heading as the yaw".to_owned(),
             ),
             Zero::East => (
                 "clockwise-yaw",
                 "is clockwise from east, not counter-clockwise as in REP-103".to_owned(),
-                " Either the quaternion is the inverse, or its yaw is negated.",
+                "negate the yaw; if the whole quaternion is inverted, invert the quaternion instead".to_owned(),
             ),
             Zero::Elsewhere(deg) => (
                 "clockwise-yaw",
-                format!("grows clockwise, and its zero is {deg:.0} deg from north"),
-                "",
+                format!("grows clockwise, and is {deg:+.0} deg from the compass heading"),
+                format!(
+                    "publish pi/2 - heading as the yaw, where heading = present yaw {:+.0} deg",
+                    -deg
+                ),
             ),
             Zero::Unsteady => (
                 "clockwise-yaw",
-                "grows clockwise".to_owned(),
-                " The comparison does not show where its zero is.",
+                "grows clockwise, not counter-clockwise as in REP-103".to_owned(),
+                "negate the yaw, then check where the yaw is zero: the comparison does not show that".to_owned(),
             ),
+        };
+        let driver = if stream.topic.ends_with("heading") {
+            " The driver nmea_navsat_driver publishes its topic `heading` in this way."
+        } else {
+            ""
         };
         let message = format!("`{}`: yaw {what}", stream.topic);
         let finding = Finding::error(subject, message, stream.place())
             .likely()
             .relation(relation)
             .related(self.other_at.clone(), "compared with this")
-            .detail(format!("Compared with {}.{detail}", self.other))
-            .help(
-                "publish `yaw_ros = pi/2 - heading`: REP-103 counts yaw counter-clockwise from east. The topic `heading` of \
-                 nmea_navsat_driver holds the compass heading itself",
-            );
+            .detail(format!(
+                "Compared with {}. REP-103 counts yaw counter-clockwise from east.{driver}",
+                self.other
+            ))
+            .help(help);
         let finding = stream.expressed_in.annotate(finding);
         finding.measured(self.measured(turns))
     }

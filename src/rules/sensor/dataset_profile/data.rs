@@ -36,6 +36,15 @@ pub(crate) fn judge(world: &Estimates, dataset: &NamedDataset, limits: &Limits, 
     count
 }
 
+/// The axes of a frame in the dataset, as a sentence.
+fn has_axes(dataset: &NamedDataset, frame: &DatasetFrame) -> String {
+    format!(
+        "In {} this sensor has {}.",
+        dataset.row.name,
+        super::spelled(&frame.axes.word)
+    )
+}
+
 /// Up in the axes of a frame.
 fn up(frame: &DatasetFrame) -> Vector3<f64> {
     rotation(&frame.axes).inverse() * Vector3::z()
@@ -69,13 +78,17 @@ fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &L
         return out.pass(subject, [measured]);
     }
     let message = format!(
-        "`{}`: mean acceleration is {off:.0} deg from up by the axes of {} ({})",
-        imu.stream.topic, dataset.row.name, frame.axes.word
+        "`{}`: mean acceleration is {off:.0} deg from up in the axes of {}",
+        imu.stream.topic, dataset.row.name
     );
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("axes")
-        .help("use the data as published, or correct the name of the frame: probably its axes were converted, or it has the name of another frame")
+        .detail(has_axes(dataset, frame))
+        .help(
+            "correct the cause that applies:\n(1) the axes of the data were converted: use the data as the dataset has them, or give the frame \
+             another name\n(2) the data are of another dataset: correct or remove `dataset` in the configuration",
+        )
         .measured(measured);
     out.fail(match &dataset.place {
         Some(place) => finding.related(place.clone(), "named here"),
@@ -103,13 +116,14 @@ fn judge_cloud(
         return out.pass(subject, [Measured::new(what, off, "deg").limit(45.0)]);
     }
     let message = format!(
-        "`{}`: the ground is opposite to {word}, {off:.0} deg off the axes of {} ({})",
-        clouds.topic.topic, dataset.row.name, frame.axes.word
+        "`{}`: {word} points up by the ground, {off:.0} deg from up in the axes of {}",
+        clouds.topic.topic, dataset.row.name
     );
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .unless(codes::AXES10)
-        .help("convert the clouds to the axes of the dataset, or name another frame")
+        .detail(has_axes(dataset, frame))
+        .help("convert the clouds to these axes, or rename their frame")
         .measured(Measured::new("angle from up of the dataset", off, "deg").limit(45.0));
     out.fail(finding);
 }

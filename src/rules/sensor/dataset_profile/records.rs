@@ -55,7 +55,11 @@ fn judge_record(
             "deg",
         )
         .limit(limits.max_off_deg),
-        Measured::new("tilt in the other order", other_off, "deg"),
+        Measured::new(
+            format!("tilt against the nearest sensor of {}, read as x, y, z, w", row.name),
+            other_off,
+            "deg",
+        ),
     ];
     if off <= limits.max_off_deg && other_off <= limits.max_off_deg {
         let why = format!(
@@ -75,15 +79,13 @@ fn judge_record(
         return out.too_little(subject, why);
     }
     let message = format!(
-        "`{}`: quaternion of `{}` is not in the order {word} of {} ({off:.0} deg off)",
-        world.path(claim.place.source),
-        claim.label,
-        row.name
+        "entry `{}`: quaternion is not in the order {word} of {} (tilt {off:.0} deg off)",
+        claim.label, row.name
     );
     let finding = Finding::error(subject, message, claim.place.clone())
         .likely()
         .relation("quaternion-order")
-        .detail("In the other order its tilt matches a sensor of the dataset.")
+        .detail("Read as x, y, z, w, the tilt matches a sensor of the dataset.")
         .help(format!("write the quaternion as {word}"));
     out.fail(finding.measured(measured));
 }

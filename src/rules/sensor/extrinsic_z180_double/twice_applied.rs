@@ -97,17 +97,13 @@ fn judge_claim(
         return out.pass(subject, size);
     };
     let message = format!(
-        "`{}`: `{}` is applied twice: by the {} driver and as `{}_from_{}`",
-        world.path(claim.place.source),
-        claim.label,
-        lidar.name,
-        twice.target,
-        twice.source_frame
+        "`{}` is applied twice: by the {} driver and by `{}` -> `{}`",
+        claim.label, lidar.name, twice.target, twice.source_frame
     );
     let detail = format!(
-        "The driver applies it to every point{}, and {} states the same transform.",
+        "The driver applies this transform to every point{}, and {} states the same transform.",
         if lidar.transform_by_setting {
-            " if its transform is switched on"
+            " if the setting for that is on"
         } else {
             ""
         },
@@ -123,7 +119,10 @@ fn judge_claim(
         .relation("applied-twice")
         .related(twice.place.clone(), "applied again here")
         .detail(detail)
-        .help("set the transform of the driver to zero, and keep the mounting in TF. The driver does not transform the IMU of the device");
+        .help(format!(
+            "set `{}` to zero, and keep the mounting in TF: the driver does not transform the IMU of the device",
+            claim.label
+        ));
     out.fail(finding.measured(size));
 }
 

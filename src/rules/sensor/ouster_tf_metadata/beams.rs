@@ -42,24 +42,26 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
             "the table has no metadata of this model, and the file has no `beam_to_lidar_transform` to compare with";
         return out.missing(subject, why);
     };
-    let measured = Measured::new("difference", off(nearest), "mm").limit(limits.max_beam_mm);
+    let measured = Measured::new("difference of the two values", off(nearest), "mm").limit(limits.max_beam_mm);
     if off(nearest) <= limits.max_beam_mm {
         return out.pass(subject, [measured]);
     }
     let message = format!(
-        "`{}`: `lidar_origin_to_beam_origin_mm` is {:.3} mm, but {} has {:.3} mm",
-        world.path(metadata.place.source),
-        stated.value,
-        nearest.1,
-        nearest.0
+        "`lidar_origin_to_beam_origin_mm` is {:.3} mm, but {} has {:.3} mm",
+        stated.value, nearest.1, nearest.0
     );
     let finding = if relation == "place" {
         Finding::warning(subject, message, stated.place.clone()).hint()
     } else {
         Finding::error(subject, message, stated.place.clone()).likely()
     };
-    let help = "read the metadata from the sensor again. With this value points are shifted by the difference, towards the axis";
-    out.fail(finding.relation(relation).help(help).measured(measured));
+    out.fail(
+        finding
+            .relation(relation)
+            .detail("All points are computed with this value.")
+            .help("read the metadata from the sensor again")
+            .measured(measured),
+    );
 }
 
 /// Each beam has an azimuth and an altitude.
@@ -72,8 +74,8 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
     let [a, b] = [azimuths.count, altitudes.count];
     let counts = [("`beam_azimuth_angles`", a), ("`beam_altitude_angles`", b)];
     let measured = [
-        Measured::count("azimuths of beams", a as usize),
-        Measured::count("altitudes of beams", b as usize).expected(f64::from(rows)),
+        Measured::count("angles in `beam_azimuth_angles`", a as usize).expected(f64::from(rows)),
+        Measured::count("angles in `beam_altitude_angles`", b as usize).expected(f64::from(rows)),
     ];
     let broken = azimuths.broken + altitudes.broken;
     // An altitude beyond 90 deg is not in degrees.
@@ -85,7 +87,10 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
         (format!("{broken} beam angles are not numbers"), azimuths)
     } else if let Some((key, count)) = counts.into_iter().find(|(_, count)| *count != rows) {
         let place = if a == rows { altitudes } else { azimuths };
-        (format!("{key} has {count} angles for {rows} rows"), place)
+        (
+            format!("{key} has {count} angles, expected {rows}: one for each row"),
+            place,
+        )
     } else {
         let [low, high] = altitudes.range_deg;
         (
@@ -93,12 +98,12 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
             altitudes,
         )
     };
-    let message = format!("`{}`: {what}", world.path(metadata.place.source));
-    let finding = Finding::error(subject, message, place.place.clone())
+    let finding = Finding::error(subject, what, place.place.clone())
         .label("angles of the beams")
         .likely()
         .relation("beam-angles")
-        .help("read the metadata from the sensor again: all points are computed with these angles");
+        .detail("All points are computed with these angles.")
+        .help("read the metadata from the sensor again");
     out.fail(finding.measured(measured));
 }
 

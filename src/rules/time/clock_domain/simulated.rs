@@ -14,7 +14,7 @@ pub(crate) fn explain_simulation(finding: &mut Finding, streams: usize) {
     finding.severity = Severity::Note;
     finding.confidence = finding.confidence.min(Confidence::Likely);
     finding.message =
-        format!("{streams} streams have stamps of about {stamp_s:.0} s, but the log clock shows calendar time");
+        format!("{streams} streams have stamps of about {stamp_s:.0} s, but the recorder's clock shows calendar time");
     finding.detail = format!(
         "The first of them is {}. Probably a simulation recorded in wall time, or a host whose clock was not set. Look-ups find no transforms \
          when the recording is played back with `--clock`.",

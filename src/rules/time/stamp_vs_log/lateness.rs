@@ -1,4 +1,4 @@
-//! What can be wrong between a stream's stamps and the log clock: a part of TIME02.
+//! What can be wrong between a stream's stamps and the recorder's clock: a part of TIME02.
 
 use crate::analysis::time::lateness::allowed_s;
 use crate::rules::codes;
@@ -50,15 +50,15 @@ fn rate(stream: &Stream<'_>, drift: Drift, limits: &Limits) -> Option<Fault> {
         return None;
     }
     let message = format!(
-        "{}: stamps advance {:.3} s per second of the log clock, over {:.0} s",
+        "{}: stamps advance {:.3} s per second of the recorder's clock, over {:.0} s",
         stream.subject,
         1.0 + drift.rate,
         drift.span_s
     );
     let finding = Finding::error(stream.subject.clone(), message, stream.place())
         .help(
-            "check how the driver computes the stamp. Usual causes: digits of hours and minutes read as seconds, a wrong unit of a counter, \
-             or a recording that was played back at another speed",
+            "correct how the driver computes the stamp; usual causes:\n(1) digits of hours and minutes are read as seconds\n(2) a counter \
+             is read in the wrong unit\n(3) a recording was played back at another speed while recording",
         )
         .measured(
             Measured::new("rate of the stamps minus 1", drift.rate, "1")
@@ -83,17 +83,23 @@ fn drifting(stream: &Stream<'_>, drift: Drift, limits: &Limits) -> Option<Fault>
         (Severity::Warning, limits.drift_ppm)
     };
     let message = format!(
-        "{}: stamps drift by {ppm:+.0} ppm from the log clock ({gained_s:+.3} s in {:.0} s)",
+        "{}: stamps drift by {ppm:+.0} ppm from the recorder's clock ({gained_s:+.3} s in {:.0} s)",
         stream.subject, drift.span_s
     );
+    let help = if ppm < 0.0 {
+        "synchronise the clock that stamps (PTP, PPS, NTP); if that clock is synchronised, look for a queue that grows"
+    } else {
+        "synchronise the clock that stamps (PTP, PPS, NTP)"
+    };
     let finding = Finding::new(severity, stream.subject.clone(), message, stream.place())
         .likely()
-        .help(
-            "synchronise the clock that stamps (PTP, PPS, NTP). Where stamps only fall behind, a growing queue may delay the \
-             messages instead",
+        .help(help)
+        .measured(
+            Measured::new("drift of the stamps from the recorder's clock", ppm, "ppm")
+                .limit(limit)
+                .samples(stream.stamps.count),
         )
-        .measured(Measured::new("drift", ppm, "ppm").limit(limit).samples(stream.stamps.count))
-        .measured(Measured::new("drift over the recording", gained_s, "s").spread(drift.residual_s));
+        .measured(Measured::new("this drift, summed over the recording", gained_s, "s").spread(drift.residual_s));
     Some(Fault {
         kind: Kind::Drift,
         size: drift.rate,
@@ -107,7 +113,7 @@ fn step(stream: &Stream<'_>, limits: &Limits) -> Option<Fault> {
         return None;
     }
     let message = format!(
-        "{}: stamps jump by {:+.3} s against the log clock, {:.1} s after the first message",
+        "{}: stamps jump by {:+.3} s against the recorder's clock, {:.1} s after the first message",
         stream.subject, change.by, change.after
     );
     let finding = Finding::warning(stream.subject.clone(), message, stream.place())
@@ -115,7 +121,7 @@ fn step(stream: &Stream<'_>, limits: &Limits) -> Option<Fault> {
         .detail("The offset keeps its new value: probably a clock was set while recording.")
         .help("let NTP or PTP settle before the drivers start, and only slew the clock afterwards")
         .measured(
-            Measured::new("step", change.by, "s")
+            Measured::new("step of the stamps against the recorder's clock", change.by, "s")
                 .limit(limits.step_s)
                 .spread(change.spread)
                 .samples(stream.stamps.count),
@@ -134,34 +140,47 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
         return None;
     }
     let far = offset.abs() > limits.far_s;
+    let is_steady = spread < 0.1 * offset.abs();
     let (what, detail) = if offset > 0.0 {
-        let what = format!("{offset:.3} s ahead of the log clock");
-        (what, "The stamps are in the future when the messages are recorded.")
+        let what = format!("{offset:.3} s ahead of the recorder's clock");
+        (
+            what,
+            "The stamps are in the future when the messages are recorded: only predictions may have such stamps.",
+        )
     } else if far {
         let detail = if naming.has_word(stream) {
             ""
         } else {
             "No known epoch or leap second has that offset."
         };
-        (format!("{:.1} s behind the log clock", -offset), detail)
+        (format!("{:.1} s behind the recorder's clock", -offset), detail)
     } else {
-        (format!("{:.3} s behind the log clock", -offset), "")
+        let detail = if is_steady {
+            "The delay is nearly constant: a clock that is not synchronised, or buffering in the driver, is likelier than a queue."
+        } else {
+            "The delay varies: a queue or a slow link is likelier than a clock that is not synchronised."
+        };
+        (format!("{:.3} s behind the recorder's clock", -offset), detail)
     };
     let (severity, limit, help) = match (far, offset > 0.0) {
         (true, _) => (
             Severity::Error,
             limits.far_s,
-            "find the clock that stamps, and synchronise it (PTP, GPS, NTP)",
+            "synchronise the clock that stamps (PTP, GPS, NTP)",
         ),
         (false, true) => (
             Severity::Warning,
             ahead_s,
-            "synchronise the clock that stamps with the recorder's (PTP, NTP). Only predictions may be stamped in the future",
+            "synchronise the clock that stamps with the recorder's clock (PTP, NTP)",
         ),
         (false, false) => (
             Severity::Warning,
             late_s,
-            "look for a driver that queues, a slow link, or a clock that is not synchronised. Filters must wait for such messages",
+            if is_steady {
+                "synchronise the clock that stamps (PTP, NTP); if that clock is synchronised, shorten the buffering in the driver"
+            } else {
+                "shorten the queue in the driver, or the load on the link"
+            },
         ),
     };
     let measured = Measured::new("stamp minus log time", offset, "s");

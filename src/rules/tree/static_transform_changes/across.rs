@@ -2,7 +2,6 @@
 //!
 //! Between two recordings a mount may have been calibrated: only a convention error is an error.
 
-use crate::math::relation::Relation;
 use crate::verdict::Measured;
 use std::collections::BTreeMap;
 
@@ -14,7 +13,7 @@ use crate::world::bag::TfSample;
 use crate::world::{BagEvidence, World};
 
 use crate::analysis::tree::latched::Limits;
-use crate::analysis::tree::latched::{Change, Key, StableTally, change, difference};
+use crate::analysis::tree::latched::{Change, Key, StableTally, change, difference, explanation, value};
 
 /// The first value of each latched transform in each recording, in the order of time.
 pub(crate) type FirstValues<'a> = BTreeMap<Key, Vec<(&'a BagEvidence, &'a TfSample)>>;
@@ -47,24 +46,41 @@ pub(crate) fn judge_across(world: &World, across: &FirstValues, limits: &Limits,
         };
         let subject = format!("latched `{parent}` -> `{child}` across recordings");
         let message = format!(
-            "latched `{parent}` -> `{child}` differs between recordings{}",
-            difference.words
+            "static `{parent}` -> `{child}` changed between recordings, by {}",
+            change.words()
         );
-        let why = difference
-            .relation
-            .and_then(Relation::from_word)
-            .map_or("", Relation::describe);
         let detail = format!(
-            "It is published on `{topic}` in `{}` and `{}`. {why}",
+            "On `{topic}` in `{}`: {}. In `{}`: {}.{}",
             world.path(bag.source),
+            value(first),
             world.path(other_bag.source),
+            value(other),
+            explanation(&difference),
         );
-        let mut finding = Finding::new(severity, subject, message, Place::message(other_bag.source, other.at.clone()))
-            .likely()
-            .label("another value")
-            .detail(detail.trim_end())
-            .help("find out which value is right; if the mount was changed or calibrated in between, keep each recording's calibration with it")
-            .related(Place::message(bag.source, first.at.clone()), "value of the earlier recording");
+        let help = match difference.relation {
+            Some("ypr") => {
+                "correct the recording whose angles are in the wrong order: static_transform_publisher takes yaw, pitch, roll"
+            }
+            Some(_) => "compare both values with the mounting, and publish the right one on every drive",
+            None => {
+                "keep each recording's calibration with that recording, if the mount was changed or calibrated in between; otherwise publish \
+                 one value"
+            }
+        };
+        let mut finding = Finding::new(
+            severity,
+            subject,
+            message,
+            Place::message(other_bag.source, other.at.clone()),
+        )
+        .likely()
+        .label("value of the later recording")
+        .detail(detail)
+        .help(help)
+        .related(
+            Place::message(bag.source, first.at.clone()),
+            "value of the earlier recording",
+        );
         finding.measured = difference.measured;
         finding.relation = difference.relation.map(str::to_owned);
         out.fail(finding);
