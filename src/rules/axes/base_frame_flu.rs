@@ -140,7 +140,7 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     };
     let message = format!("`{frame}` is not x forward, y left, z up: {axes}");
     let known = match spelled.as_deref() {
-        Some("FRD") => " FRD is the aerospace convention (SAE J670e).",
+        Some("FRD") => " FRD is the convention of aerospace and of SAE J670.",
         Some("RFU") => " RFU is the body frame of many inertial navigation systems.",
         Some("RDF") => " RDF is the convention of a camera's optical frame.",
         _ => "",

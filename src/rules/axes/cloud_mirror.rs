@@ -67,7 +67,7 @@ fn judge_clouds(
     let look = format!(
         "look at the scanner, then:\n\
          (1) if the scanner is mounted {mounted}, add a roll of 180 deg to its mounting transform\n\
-         (2) if not, make the driver publish the ranges in the order of increasing angles (switch one option only: `inverted` or `flip_x_axis`)"
+         (2) if not, make the driver publish the ranges in the order of increasing angles (an option such as `inverted`)"
     );
     let by_ground = |cause: &str| format!("By the ground in the cloud, z points {z}. Probable cause: {cause}.");
     let (relation, fault, detail, help) = if clouds.laser.is_some() {

@@ -316,7 +316,7 @@ fn applied_already(
     let seen_m = median(&heights)?;
     ((seen_m - stated_m).abs() <= limits.class_off_m).then(|| {
         let message = format!(
-            "`{}`: mounting is applied twice (points in `{}` are already expressed in `{}`)",
+            "`{}`: mounting is applied twice (points that name `{}` are already expressed in `{}`)",
             clouds.topic.topic,
             clouds
                 .frame()
@@ -332,7 +332,7 @@ fn applied_already(
             ))
             .measured(
                 Measured::new(
-                    "height of the lidar above the ground, if the points are expressed in the base",
+                    "height of the lidar above the ground, if the points are in the base",
                     seen_m,
                     "m",
                 )

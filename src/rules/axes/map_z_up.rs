@@ -179,7 +179,7 @@ fn judge_heights(
             frame.stream, heights.receiver
         ))
         .relation("z-down")
-        .help("publish z up (REP-103):\n(1) if the positions are NED, convert (x, y, z) to (y, x, -z)\n(2) if only z is wrong, negate z");
+        .help("publish z up (REP-103):\n(1) if the positions are NED, convert (x, y, z) to (y, x, -z)\n(2) if they are forward, right, down, convert to (x, -y, -z)\n(3) if only z is wrong, negate z\nConvert an orientation beside them in the same way.");
     let finding = cause.into_iter().fold(finding, Finding::same_cause_as);
     out.fail(by_name(frame, finding).measured(measured));
 }

@@ -137,8 +137,8 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
             format!("set the rotation between `{other}` and `{frame}` to rpy = (pi, 0, 0), or rename `{frame}`{name}")
         }
         None => format!(
-            "remove the rotation between `{other}` and `{frame}` (a frame without a suffix is forward-left-up, REP-103), or rename \
-             `{frame}`{name}"
+            "correct what applies:\n(1) if `{other}` is forward-left-up (REP-103), remove the rotation between `{other}` and `{frame}`, or rename \
+             `{frame}`{name}\n(2) if `{other}` is forward-right-down, rename `{other}` so that it says that"
         ),
     };
     // The frame without a suffix may have other axes, as a sensor in its mounting: only the names disagree.

@@ -53,7 +53,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     out.fail(
         Finding::note(subject, message, clouds.place())
             .help(format!(
-                "subtract ({:.0}, {:.0}, {:.0}) m in double precision, and publish `{frame}` -> `{frame}_local` with that translation",
+                "subtract ({:.0}, {:.0}, {:.0}) m before the conversion to float32, name the frame of the points `{frame}_local`, and publish `{frame}` -> `{frame}_local` with that translation",
                 origin.x, origin.y, origin.z
             ))
             .measured(measured),
