@@ -316,7 +316,7 @@ fn applied_already(
     let seen_m = median(&heights)?;
     ((seen_m - stated_m).abs() <= limits.class_off_m).then(|| {
         let message = format!(
-            "`{}`: mounting is applied twice (points that name `{}` are already expressed in `{}`)",
+            "`{}`: mounting is applied twice (points that name `{}` are already in `{}`)",
             clouds.topic.topic,
             clouds
                 .frame()
