@@ -368,7 +368,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "on-its-side",
         text: "the sensor is mounted on its side, and TF does not say so",
-        help: "add the sensor's rotation to its frame in TF or URDF",
+        help: "give the sensor a frame of its own where it has none, and add its rotation to its transform in TF or URDF",
         shown_by: Aspect::Base,
         is_of_mounting: true,
         base: &[Base::Side],
@@ -380,7 +380,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     Cause {
         word: "turned-mount",
         text: "the sensor is mounted with a yaw, and TF does not say so",
-        help: "add the missing yaw (measured above) to the transform of the sensor in TF or URDF",
+        help: "give the sensor a frame of its own where it has none, and add the missing yaw (measured above) to its transform in TF or URDF",
         shown_by: Aspect::Push,
         is_of_mounting: true,
         push: &[Push::Backward, Push::Sideways, Push::Oblique],

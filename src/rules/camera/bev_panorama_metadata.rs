@@ -124,8 +124,8 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
     if panorama.azimuth == Some(Sense::CounterClockwise) {
         faults.push(Fault::new(
             "mirrored",
-            "the panorama is mirrored: its azimuth is declared to grow counter-clockwise with the column".to_owned(),
-            "use u = W (pi - azimuth) / 2 pi for a counter-clockwise azimuth (REP-103); u = W (azimuth + pi) / 2 pi is for a clockwise one",
+            "the panorama is declared as mirrored: its columns run counter-clockwise".to_owned(),
+            "look at an image:\n(1) if it is mirrored, compute the column as u = W (pi - azimuth) / 2 pi, with the azimuth of REP-103, and declare `azimuth: clockwise`\n(2) if it is not mirrored, declare `azimuth: clockwise`: the word is of the columns, not of the angle",
             Measured::new("sense of the columns, clockwise positive", -1.0, "1").expected(1.0),
         ));
     }

@@ -220,10 +220,12 @@ impl Loop<'_> {
             Finding::warning(subject, message, place)
         };
         let reading = self.edges.iter().map(|(_, statement)| statement.reading).min();
+        let is_reversed = self.closes_reversed(limits);
         let mut finding = finding
             .likely()
             .detail(detail)
             .help(match culprits.as_slice() {
+                _ if is_reversed => "look up in which direction the program that wrote the file means its keys; calibrate again only if the loop closes neither way",
                 [] => "calibrate the three transforms together, or find the one that is wrong and calibrate it again",
                 [_] => "correct that error; calibrate again only if the loop does not close then",
                 _ => "find out which of them has its error, and correct it; calibrate again only if the loop does not close then",
@@ -231,7 +233,7 @@ impl Loop<'_> {
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
         }
-        if self.closes_reversed(limits) {
+        if is_reversed {
             let detail =
                 "The loop closes if all keys of the file are meant in the opposite direction; then nothing is wrong.";
             finding = finding.hint().detail(detail);

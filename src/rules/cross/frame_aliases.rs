@@ -177,8 +177,8 @@ fn judge_claim(
         .collect();
     let measured = |candidate: &Candidate| {
         [
-            Measured::new("rotation difference", candidate.off_deg, "deg").limit(limits.equal_deg),
-            Measured::new("translation difference", candidate.off_m, "m").limit(limits.equal_m),
+            Measured::new("rotation difference, as written", candidate.off_deg, "deg").limit(limits.equal_deg),
+            Measured::new("translation difference, as written", candidate.off_m, "m").limit(limits.equal_m),
         ]
     };
     match (equal.as_slice(), candidates) {
@@ -326,7 +326,8 @@ fn suspicion(
             relation.describe()
         ))
         .help(format!(
-            "correct the transform in the file. If the assumed names are right, confirm them in frames-lint.yaml:\naliases: {{{}}}",
+            "{} the transform in the file. If the assumed names are right, confirm them in frames-lint.yaml:\naliases: {{{}}}",
+            if relation == Relation::Inverse { "invert" } else { "correct" },
             aliases(names, candidate)
         ))
 }

@@ -91,7 +91,8 @@ fn judge_pair(
         .min_by_key(|used| (std::cmp::Reverse(standing(&[used])), &used.place))?;
     let is_connected = trees.get(odd).is_some_and(|tree| trees.get(right) == Some(tree));
     let are_twins = !defined_in(odd_uses).is_disjoint(&defined_in(right_uses));
-    let is_tree = [right, odd].iter().any(|frame| world.graph().frames.contains(*frame));
+    let twins = "if they are one frame, delete one of the two; otherwise give them names that differ in more than case";
+    let help = (are_twins && is_connected).then(|| twins.to_owned());
     let subject = format!("frame `{odd}`");
     let finding = if are_twins && is_connected {
         let message = format!("`{odd}` and `{right}` are two frames of one tree whose names differ only in case");
@@ -99,7 +100,7 @@ fn judge_pair(
     } else {
         let (role, other) = (first.role.words(), witness.role.words());
         let message = format!("`{odd}` ({role}) is spelled `{right}` elsewhere ({other})");
-        if is_tree {
+        if [right, odd].iter().any(|frame| world.graph().frames.contains(*frame)) {
             Finding::error(subject, message, first.place.clone())
                 .detail("Frame names are case-sensitive: these are two different frames.")
         } else {
@@ -109,7 +110,7 @@ fn judge_pair(
     let finding = finding
         .label(format!("spelled `{odd}`"))
         .related(witness.place.clone(), format!("spelled `{right}`"))
-        .help(format!("spell it `{right}` everywhere"))
+        .help(help.unwrap_or_else(|| format!("spell it `{right}` everywhere")))
         .measured(Measured::count("spellings", 2).expected(1.0));
     // Two links of these names in one file are two frames: renaming one would merge them.
     let spelled = odd_uses.iter().map(|used| &used.frame).collect::<BTreeSet<_>>();

@@ -238,7 +238,7 @@ fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
         100.0 * ordered.as_published
     );
     let detail = format!(
-        "As published, the orientation leaves {:.1} % of the gyro's rotation unexplained; recomposed as {}, {:.1} %.{}",
+        "As published, the rotation differs from the gyro's by {:.1} % of it; recomposed as {}, by {:.1} %.{}",
         100.0 * ordered.as_published,
         Order::ROS.product(),
         100.0 * ordered.residual,
@@ -248,9 +248,9 @@ fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
         "compose the quaternion as {} in the driver (tf2 `setRPY(roll, pitch, yaw)`; scipy `from_euler('ZYX', [yaw, pitch, roll])`)",
         Order::ROS.product()
     );
-    let unexplained = |how: &str, share| {
+    let error = |how: &str, share| {
         Measured::new(
-            format!("share of the gyro's rotation that is unexplained {how}"),
+            format!("error of the rotation / rotation of the gyro, {how}"),
             share,
             "1",
         )
@@ -260,7 +260,7 @@ fn of_sensor(imu: &Imu, subject: String, ordered: &GyroOrder) -> Finding {
         .detail(detail)
         .help(help)
         .relation(ordered.order.word())
-        .measured(unexplained("as published", ordered.as_published).samples(ordered.windows))
-        .measured(unexplained("in the order of ROS", ordered.residual).samples(ordered.windows))
-        .measured(unexplained("in the next best order", ordered.next))
+        .measured(error("as published", ordered.as_published).samples(ordered.windows))
+        .measured(error("in the order of ROS", ordered.residual).samples(ordered.windows))
+        .measured(error("in the next best order", ordered.next))
 }

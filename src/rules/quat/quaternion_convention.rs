@@ -30,7 +30,7 @@ fn judge_turned(
     let windows = turned.windows as u64;
     let mut measured = vec![
         Measured::new(
-            "rotation of the gyro that the orientation does not explain, as published",
+            "error of the rotation / rotation of the gyro, as published",
             turned.as_published.residual,
             "1",
         )
@@ -67,20 +67,21 @@ fn judge_turned(
         _ => "orientation and gyro rotate in opposite directions".to_owned(),
     };
     let message = format!(
-        "`{}`: {what} ({:.0} % unexplained)",
+        "`{}`: {what} (error {:.0} %)",
         imu.stream.topic,
         100.0 * turned.as_published.residual
     );
     let other_axes = if turned.class == Turn::Unrelated {
         format!(
-            " With the axes of the gyro permuted or negated, {:.0} % are unexplained.",
+            " With the axes of the gyro permuted or negated, the error is {:.0} %.",
             100.0 * turned.other_axes
         )
     } else {
         String::new()
     };
-    let detail =
-        format!("The percentage is the part of the gyro's rotation that the orientation does not explain.{other_axes}");
+    let detail = format!(
+        "The error is the difference between the rotations of orientation and gyro, as a share of the gyro's: more than 100 % if they are opposite.{other_axes}"
+    );
     let otherwise = match turned.class {
         Turn::Partly => {
             "check the order in which roll, pitch and yaw are composed (ROS: Rz(yaw) Ry(pitch) Rx(roll)), and that axis of the gyro"

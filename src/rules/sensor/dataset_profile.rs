@@ -148,7 +148,7 @@ fn judge_statement(
     let (relation, what, why) = if fits(&turn.inverse()) {
         (
             "inverse",
-            format!("is the inverse of the {name} transform"),
+            format!("has the inverse of the {name} rotation"),
             String::new(),
         )
     } else if statement.is_bare_quaternion() && fits(&reordered) {
@@ -178,9 +178,7 @@ fn judge_statement(
     let to_do = match relation {
         "quaternion-order" if is_row => "write the quaternion as w, x, y, z, to get a rotation of",
         "quaternion-order" => "write the quaternion as x, y, z, w, to get a rotation of",
-        "inverse" => {
-            "invert the transform (R transposed, t = -R^T t) or swap the names of the two frames, to get a rotation of"
-        }
+        "inverse" => "transpose the rotation (the translation is not judged here), to get a rotation of",
         _ => "set the rotation to",
     };
     let any_yaw = if target.any_yaw || source.any_yaw {
