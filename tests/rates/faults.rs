@@ -38,7 +38,7 @@ type FaultSpec = (&'static str, &'static [Error], Names);
 const SIDE: &str = "on its side";
 
 /// What a sensor's finding says of a track that may be wrong instead.
-pub const MIRRORED: &str = "compared with is mirrored";
+pub const MIRRORED: &str = "the track that the IMU is compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
 const POSITION: &str = "the position or the orientation of the pose may be wrong";

@@ -133,7 +133,7 @@ pub(super) static FAULTS: &[Fault] = &[
         ["compass-yaw"],
         [
             "the yaw is a compass heading",
-            "yaw increases clockwise",
+            "yaw increases clockwise, opposite to the course",
             "does not follow its gyro about z"
         ],
         ["QUAT01", "AXES04"],

@@ -8,7 +8,7 @@ mod stamps;
 use crate::faults::Fault;
 
 /// What a finding on a sensor says of the track that it is held against.
-const MIRRORED: &str = "compared with is mirrored";
+const MIRRORED: &str = "the track that the IMU is compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
 const POSITION: &str = "the position or the orientation of the pose may be wrong";
