@@ -265,7 +265,8 @@ impl Outputs {
     }
 
     /// Why they may not be written: a folder is missing or read-only, one is an input of the run (also under another name), two are the same
-    /// file, or one exists and is not a report of frames-lint. A report found in a folder is not an input: it may be replaced if it was `found`, not if it was `given`.
+    /// file, or one exists and is not a report of frames-lint. A report found in a folder is not an input: it may be replaced if it was
+    /// `found`, not if it was `given`.
     pub fn refused<'p>(
         &self,
         found: impl Iterator<Item = &'p Path>,
@@ -282,9 +283,7 @@ impl Outputs {
                     "`{shown}` is given for two outputs: write each to its own file"
                 ));
             }
-            let target = resolved(&behind_links(file));
-            let folder = target.as_deref().and_then(Path::parent);
-            if !is_stream && !folder.is_some_and(|folder| folder.is_dir() && may_be_written(folder)) {
+            if !is_stream && !may_be_replaced(file) {
                 return Some(format!(
                     "cannot write `{shown}`: its folder does not exist or is read-only"
                 ));
@@ -406,10 +405,11 @@ pub fn unmeant(path: &Path, checked: &[PathBuf]) -> Option<String> {
     (!checked.iter().any(is_checked)).then(|| "it is outside of the checked paths".to_owned())
 }
 
-/// Whether a file can be replaced by another: its folder is writable.
+/// Whether a file can be made, or replaced by another: its folder exists and is writable.
 pub fn may_be_replaced(path: &Path) -> bool {
-    let target = fs::canonicalize(path);
-    target.is_ok_and(|target| target.parent().is_some_and(may_be_written))
+    let target = resolved(&behind_links(path));
+    let folder = target.as_deref().and_then(Path::parent);
+    folder.is_some_and(|folder| folder.is_dir() && may_be_written(folder))
 }
 
 #[cfg(unix)]

@@ -162,8 +162,9 @@ fn reason(row: &Row, altered: &Verdict) -> String {
             format!("{} passes {}: {}", row.rule, row.subject, measured.join(", "))
         }
         Outcome::Fail if is_hint(row, altered) => {
-            let hint = findings_of(row, altered).next().map_or("", |finding| &finding.message);
-            format!("{} gives only a hint: {hint}", row.rule)
+            let hint = findings_of(row, altered).next();
+            let says = hint.map_or(&row.subject, |finding| &finding.message);
+            format!("{} gives only a hint: {says}", row.rule)
         }
         Outcome::Waived => format!("{} fails {}, which is accepted: {why}", row.rule, row.subject),
         Outcome::Fail => format!(

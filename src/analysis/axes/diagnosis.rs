@@ -89,10 +89,9 @@ impl Diagnosis {
 
     /// A sentence on the faults, for the detail of a finding; empty if none is known.
     pub(crate) fn sentence(&self) -> String {
-        let texts: Vec<&str> = self.causes.iter().map(|cause| cause.text).collect();
-        match texts.as_slice() {
+        match self.causes.as_slice() {
             [] => String::new(),
-            [one] => format!("Only this cause fits all measurements: {one}."),
+            [one] => format!("Only this cause fits all measurements: {}.", one.text),
             _ => "Several causes fit all measurements, and the data do not show which it is: see the help.".to_owned(),
         }
     }
