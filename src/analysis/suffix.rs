@@ -63,6 +63,21 @@ pub(crate) fn found(relation: Relation) -> &'static str {
     }
 }
 
+/// Where axes point, in words: `FLU` is x forward, y left, z up.
+pub(crate) fn axes_in_words(letters: &str) -> String {
+    let word = |letter| match letter {
+        'F' => "forward",
+        'B' => "backward",
+        'L' => "left",
+        'R' => "right",
+        'U' => "up",
+        _ => "down",
+    };
+    let axes = ["x", "y", "z"].into_iter().zip(letters.chars());
+    let words: Vec<String> = axes.map(|(axis, letter)| format!("{axis} {}", word(letter))).collect();
+    words.join(", ")
+}
+
 /// Where the axes of an optical frame point, as a sentence, if each is along one of its parent's.
 pub(crate) fn directions(parent_from_optical: &UnitQuaternion<f64>) -> Option<String> {
     const WORDS: [[&str; 2]; 3] = [["forward", "backward"], ["left", "right"], ["up", "down"]];

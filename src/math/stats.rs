@@ -18,6 +18,13 @@ fn sorted_finite(values: &[f64]) -> Vec<f64> {
     kept
 }
 
+/// A number with so many decimals; zero has no sign.
+pub fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    // Adding zero turns -0 into 0.
+    (value * scale).round() / scale + 0.0
+}
+
 /// The `q`-quantile (0 <= `q` <= 1) of the finite values, with linear interpolation between order statistics
 /// (Hyndman and Fan 1996, type 7: the default of NumPy and R). In the unit of the values.
 ///

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::math::stats::rounded;
 use crate::run::Run;
 use crate::source::SourcePart;
 use crate::tables::views::{self, View};
@@ -113,8 +114,7 @@ fn line(finding: &Finding) -> String {
 
 /// What was measured, with its limit.
 fn number_of(measured: &Measured) -> String {
-    // Adding zero turns -0 into 0.
-    let four = |value: f64| format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0);
+    let four = |value: f64| format!("{:.4}", rounded(value, 4));
     let unit = if measured.unit == "1" {
         ""
     } else {

@@ -4,6 +4,7 @@
 
 use nalgebra::Vector3;
 
+use crate::math::stats::rounded;
 use crate::world::LocalOrigin;
 
 /// Beyond it east, north and up are meaningless, metres.
@@ -44,7 +45,6 @@ pub(crate) fn direction(apart: &Vector3<f64>, to: &str) -> String {
     if apart.norm() > FAR_M {
         return String::new();
     }
-    // Without negative zeros.
-    let [east, north, up] = [apart.x, apart.y, apart.z].map(|m| (m * 100.0).round() / 100.0 + 0.0);
+    let [east, north, up] = [apart.x, apart.y, apart.z].map(|m| rounded(m, 2));
     format!(" From the first to {to}: east {east:+.2}, north {north:+.2}, up {up:+.2} m.")
 }

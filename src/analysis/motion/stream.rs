@@ -94,6 +94,18 @@ impl<R: Row> Stream<R> {
         self.stretches.iter().flatten()
     }
 
+    /// The name of the frame that the data are expressed in, for reports.
+    pub(crate) fn frame_name(&self) -> String {
+        let frame = self.frame.as_ref();
+        frame.map_or_else(|| "the header's frame".to_owned(), |frame| format!("`{frame}`"))
+    }
+
+    /// The name of the frame that moves, for reports.
+    pub(crate) fn child_name(&self) -> String {
+        let child = self.child.as_ref();
+        child.map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"))
+    }
+
     /// Length of all stretches together, seconds.
     pub(crate) fn seconds(&self) -> f64 {
         let length = |stretch: &Vec<TimedRow<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::analysis::relate::{Difference, PoseTolerance};
-use crate::math::relation::Relation;
+use crate::math::{relation::Relation, stats::rounded};
 use crate::verdict::Severity;
 use crate::world::bag::{TfEdge, TfSample};
 use crate::world::{BagEvidence, FrameId};
@@ -87,8 +87,7 @@ pub(crate) fn value(sample: &TfSample) -> String {
     let pose = sample.pose.isometry();
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
     let [x, y, z] = <[f64; 3]>::from(pose.translation.vector);
-    // Without negative zeros.
-    let [x, y, z, roll, pitch, yaw] = [x, y, z, roll, pitch, yaw].map(|value| (value * 1e4).round() / 1e4 + 0.0);
+    let [x, y, z, roll, pitch, yaw] = [x, y, z, roll, pitch, yaw].map(|value| rounded(value, 4));
     format!("xyz {x:.4} {y:.4} {z:.4} m, rpy {roll:.4} {pitch:.4} {yaw:.4} rad")
 }
 

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::analysis::axes::bases::{Axis, Base, BaseEstimate, Bases, Limits};
+use crate::analysis::suffix::axes_in_words;
 use crate::rules::prelude::*;
 
 pub(crate) struct BaseFrameFlu;
@@ -99,7 +100,7 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     let frame = &base.frame;
     let axes = spelled.as_ref().map_or_else(
         || format!("{} points up", up.word()),
-        |letters| format!("its axes are {}", words(letters)),
+        |letters| format!("its axes are {}", axes_in_words(letters)),
     );
     let says = if seen.forward.is_some() {
         "pose and motion"
@@ -183,21 +184,4 @@ fn spelled(forward: Axis, up: Axis) -> Option<String> {
         };
         [Vector3::x(), Vector3::y(), Vector3::z()].map(letter).iter().collect()
     })
-}
-
-fn words(letters: &str) -> String {
-    let word = |letter: char| match letter {
-        'F' => "forward",
-        'B' => "backward",
-        'L' => "left",
-        'R' => "right",
-        'U' => "up",
-        _ => "down",
-    };
-    let named: Vec<String> = ["x", "y", "z"]
-        .iter()
-        .zip(letters.chars())
-        .map(|(axis, letter)| format!("{axis} {}", word(letter)))
-        .collect();
-    named.join(", ")
 }

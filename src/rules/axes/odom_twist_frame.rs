@@ -81,18 +81,6 @@ fn measured(twists: &Twists, best: &(Reading, f64), second: &(Reading, f64), lim
     ]
 }
 
-/// The names of the frames in a headline: the header's, and the child.
-fn frames(stream: &Stream<PoseRow>) -> [String; 2] {
-    [
-        (&stream.frame, "the header's frame"),
-        (&stream.child, "the child frame"),
-    ]
-    .map(|(frame, unnamed)| {
-        let name = frame.as_ref().map(|name| format!("`{name}`"));
-        name.unwrap_or_else(|| unnamed.to_owned())
-    })
-}
-
 fn fail_pose(
     stream: &Stream<PoseRow>,
     twists: &Twists,
@@ -109,7 +97,11 @@ fn fail_pose(
             "express position and orientation in the same world: `R_enu = P * R_ned` (P: NED to ENU), position (y, x, -z)",
         )
     } else {
-        (best.0.words(&frames(stream)), best.0.word(), best.0.help())
+        (
+            best.0.words(&[stream.frame_name(), stream.child_name()]),
+            best.0.word(),
+            best.0.help(),
+        )
     };
     let message = format!("`{}`: {words}", stream.topic);
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(
@@ -182,7 +174,11 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             [best, second].map(|reading| residual(twists, reading).limit(limits.max_residual)),
         );
     }
-    let message = format!("`{}`: {}", stream.topic, best.0.words(&frames(stream)));
+    let message = format!(
+        "`{}`: {}",
+        stream.topic,
+        best.0.words(&[stream.frame_name(), stream.child_name()])
+    );
     let also = match best.0 {
         Reading::Backwards => ", for example the yaw by 180 deg",
         Reading::Swapped => ", for example the yaw by 90 deg",

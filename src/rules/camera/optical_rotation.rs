@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::analysis::camera::published::{NameAgreement, VERTICAL, looks_against_its_name};
 use crate::analysis::motion::mount::{Mount, Mounts};
 use crate::analysis::{names, places};
-use crate::math::constants::AxisTurn;
+use crate::math::{constants::AxisTurn, stats::rounded};
 use crate::rules::prelude::*;
 use crate::world::FrameId;
 
@@ -112,7 +112,6 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
 /// RPY of the frame in the base with optical axes, if the frame has those of a link.
 fn as_optical(mount: &Mount) -> String {
     let (roll, pitch, yaw) = (mount.base_from_sensor.rotation * AxisTurn::Optical.quaternion()).euler_angles();
-    // Adding zero turns -0 into 0.
-    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| (angle * 1e4).round() / 1e4 + 0.0);
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| rounded(angle, 4));
     format!("rpy {roll} {pitch} {yaw} in `{}`", mount.base)
 }

@@ -7,7 +7,7 @@ mod limits;
 use crate::analysis::cov::declared::{Axes, StreamCovariance, each};
 use crate::analysis::{cov::noise::Noise, motion::Stream};
 use crate::rules::{cov::cov_frame::limits::Limits, prelude::*};
-use crate::world::{FrameId, motion::PoseRow};
+use crate::world::motion::PoseRow;
 
 pub(crate) struct CovFrame;
 
@@ -53,11 +53,6 @@ fn axes(declared: &StreamCovariance<'_>, limits: &Limits) -> Result<Axes, String
         ));
     }
     Ok(axes)
-}
-
-/// The name of a frame, or other words where there is none.
-fn named(frame: Option<&FrameId>, unnamed: &str) -> String {
-    frame.map_or_else(|| unnamed.to_owned(), |frame| format!("`{frame}`"))
 }
 
 fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
@@ -106,7 +101,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits
     let message = format!(
         "`{}`: `twist.covariance` is expressed in world axes, not in {} (axis ratio {:.1})",
         stream.topic,
-        named(stream.child.as_ref(), "the child frame"),
+        stream.child_name(),
         axes.stretch
     );
     let finding = Finding::warning(subject, message, stream.place())
@@ -170,7 +165,7 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &StreamCovariance<'_>, limits:
         )
         .samples(noise.count() as u64),
     ]);
-    let frame = named(stream.frame.as_ref(), "the header's frame");
+    let frame = stream.frame_name();
     let (wrong, detail) = match (with_body, with_world, body_differs, world_differs) {
         (true, _, true, _) | (_, true, _, true) => return out.pass(&subject, all),
         (true, _, _, true) => (

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::math::stats::rounded;
 use crate::rules::prelude::*;
 use crate::world::{Claim, Doubt, World, conventions::Subject};
 
@@ -54,7 +55,7 @@ fn readings(claim: &Claim) -> (String, String) {
         return (apart, String::new());
     };
     let [read, inverse] = [turn, turn.inverse()].map(|turn| {
-        let [x, y, z] = <[f64; 3]>::from(turn * axis).map(|value| (value * 100.0).round() / 100.0 + 0.0);
+        let [x, y, z] = <[f64; 3]>::from(turn * axis).map(|value| rounded(value, 2));
         format!("({x:.2}, {y:.2}, {z:.2})")
     });
     let directions = format!(

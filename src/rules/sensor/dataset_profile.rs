@@ -9,7 +9,8 @@ use std::path::Path;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
-use crate::analysis::{cross::pair::Statement, cross::statements::statements};
+use crate::analysis::{cross::pair::Statement, cross::statements::statements, suffix::axes_in_words};
+use crate::math::stats::rounded;
 use crate::rules::prelude::*;
 use crate::tables::{Dataset, DatasetFrame};
 use crate::world::{Claim, FrameId, NamedDataset, World};
@@ -103,21 +104,6 @@ pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
     [Vector3::x(), Vector3::y(), Vector3::z()].map(letter).concat()
 }
 
-/// Where the axes point, in words: `FLU` is x forward, y left, z up.
-fn spelled(axes: &str) -> String {
-    let word = |letter| match letter {
-        'F' => "forward",
-        'B' => "back",
-        'L' => "left",
-        'R' => "right",
-        'U' => "up",
-        _ => "down",
-    };
-    let pairs = ["x", "y", "z"].into_iter().zip(axes.chars());
-    let words: Vec<String> = pairs.map(|(axis, letter)| format!("{axis} {}", word(letter))).collect();
-    words.join(", ")
-}
-
 fn judge_statement(
     world: &World,
     dataset: &NamedDataset,
@@ -162,10 +148,10 @@ fn judge_statement(
         let found = nearest_word(&(rotation(&target.axes) * turn));
         let why = format!(
             " The stated rotation gives `{source_frame}` about {}, if `{}` has {}. In {name} `{source_frame}` has {}.",
-            spelled(&found),
+            axes_in_words(&found),
             statement.target,
-            spelled(&target.axes.word),
-            spelled(&source.axes.word)
+            axes_in_words(&target.axes.word),
+            axes_in_words(&source.axes.word)
         );
         ("axes", format!("is rotated from the {name} transform"), why)
     };
@@ -208,9 +194,9 @@ fn judge_statement(
     out.fail(finding);
 }
 
-/// An angle in whole degrees, without a negative zero.
+/// An angle in whole degrees.
 fn whole_degrees(angle_rad: f64) -> f64 {
-    angle_rad.to_degrees().round() + 0.0
+    rounded(angle_rad.to_degrees(), 0)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use crate::analysis::ground::{Planes, SIDES};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::suffix::axes_in_words;
 use crate::rules::codes;
 use crate::tables::DatasetFrame;
 use crate::verdict::{Finding, Judge, Measured};
@@ -41,7 +42,7 @@ fn has_axes(dataset: &NamedDataset, frame: &DatasetFrame) -> String {
     format!(
         "In {} this sensor has {}.",
         dataset.row.name,
-        super::spelled(&frame.axes.word)
+        axes_in_words(&frame.axes.word)
     )
 }
 
