@@ -284,9 +284,10 @@ impl Outputs {
                 ));
             }
             if !is_stream && !may_be_replaced(file) {
-                return Some(format!(
-                    "cannot write `{shown}`: its folder does not exist or is read-only"
-                ));
+                let target = resolved(&behind_links(file));
+                let is_there = target.as_deref().and_then(Path::parent).is_some_and(Path::is_dir);
+                let why = if is_there { "is read-only" } else { "does not exist" };
+                return Some(format!("cannot write `{shown}`: its folder {why}"));
             }
             let Some(identity) = identity(file).filter(|_| !is_stream) else {
                 continue;

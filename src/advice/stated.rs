@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::cross::pair::{Direction, Pair, Statement};
+use crate::analysis::cross::pair::{Direction, Pair, Statement, TURNED};
 use crate::source::Confidence;
 use crate::verdict::Finding;
 use crate::world::{Claim, FrameId, World};
@@ -17,6 +17,11 @@ impl Statement {
         let mut claims = claims.filter(|claim| claim.place == self.place);
         claims.next().filter(|_| claims.next().is_none())
     }
+
+    /// Whether it is composed of several transforms; its place is that of the last one.
+    pub(crate) fn is_chain(&self) -> bool {
+        self.who.starts_with("the chain of ")
+    }
 }
 
 impl Pair {
@@ -28,7 +33,14 @@ impl Pair {
 
     /// The same, where the names of a program's sensors are as sure as this.
     pub(crate) fn point_at_all_with(&self, finding: Finding, roles: Confidence) -> Finding {
-        let stated = |by: &Statement| format!("stated by {}", by.who);
+        let stated = |by: &Statement| {
+            let what = if by.is_chain() {
+                "last transform of"
+            } else {
+                "stated by"
+            };
+            format!("{what} {}", by.who.replace(TURNED, ""))
+        };
         let mut finding = finding
             .confidence(self.reading_with(roles))
             .label(stated(&self.other))

@@ -53,13 +53,14 @@ pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Rel
     Relation::from_word(turn.word())
 }
 
-/// What the rotation is instead of the expected one, as a sentence.
-pub(crate) fn found(relation: Relation) -> &'static str {
+/// What the rotation between two frames is instead of the expected one, as a sentence.
+pub(crate) fn found(relation: Relation, sibling: &FrameId, frame: &FrameId) -> String {
+    let pair = format!("`{sibling}` -> `{frame}`");
     match relation {
-        Relation::Equal => "Both have the same axes.",
-        Relation::FluFrd => "The rotation between the two is 180 deg about x (FLU/FRD).",
-        Relation::NedEnu => "The rotation between the two exchanges x and y and negates z (NED/ENU).",
-        other => other.describe(),
+        Relation::Equal => format!("`{sibling}` and `{frame}` have the same axes."),
+        Relation::FluFrd => format!("{pair} is rotated by 180 deg about x (FLU/FRD)."),
+        Relation::NedEnu => format!("{pair} exchanges x and y and negates z (NED/ENU)."),
+        other => other.describe().to_owned(),
     }
 }
 

@@ -249,7 +249,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Some(|_| [0.0; 4]),
         "A quaternion is all zeros: it was never filled in.",
         [],
-        ["which is no rotation", "have a quaternion of all zeros"],
+        ["which is no rotation", "all-zero quaternion"],
         ["ROT05"],
         "the quaternion as it is written or published"
     ),

@@ -7,6 +7,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use super::stats::rounded;
+
 /// URDF `rpy` (radians, about the fixed axes x, then y, then z of the parent) to `parent_from_child`:
 /// `R = Rz(yaw) * Ry(pitch) * Rx(roll)` (URDF specification, `origin` element; the same as tf2 `setRPY`).
 pub fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
@@ -27,6 +29,22 @@ pub fn to_rpy(rotation: &UnitQuaternion<f64>) -> (f64, f64, f64) {
         return ((-m.m23).atan2(m.m22), pitch, 0.0);
     }
     (m.m32.atan2(m.m33), pitch, m.m21.atan2(m.m11))
+}
+
+/// A rotation as text, in whole degrees: `RPY(0, 0, 90) deg`.
+pub(crate) fn rpy_in_words(rotation: &UnitQuaternion<f64>) -> String {
+    let (roll, pitch, yaw) = to_rpy(rotation);
+    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| rounded(angle.to_degrees(), 0));
+    format!("RPY({roll}, {pitch}, {yaw}) deg")
+}
+
+/// A rotation as the text of a quaternion x y z w; of the two quaternions that are this rotation, the one with w >= 0.
+pub(crate) fn xyzw_in_words(rotation: &UnitQuaternion<f64>, decimals: i32) -> String {
+    let q = rotation.coords;
+    let sign = if q.w < -1e-9 { -1.0 } else { 1.0 };
+    let digits = usize::try_from(decimals).unwrap_or_default();
+    let [x, y, z, w] = <[f64; 4]>::from(q * sign).map(|value| rounded(value, decimals));
+    format!("[{x:.digits$}, {y:.digits$}, {z:.digits$}, {w:.digits$}]")
 }
 
 /// `target_from_source` of its rotation and of a translation (metres) that is stated apart: the origin of the source in the

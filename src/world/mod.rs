@@ -39,7 +39,7 @@ use crate::source::{Confidence, Place, Source, SourceId, SourcePart, SourceValue
 use crate::tables::{Dataset, Tables};
 
 use index::Index;
-use launch::{LocalizationSettings, StaticPublisher};
+use launch::{LocalizationSettings, ReadObstacle, StaticPublisher};
 
 pub use bag::BagEvidence;
 pub use camera::CameraFile;
@@ -169,18 +169,20 @@ impl Facts {
         let edges: usize = self.bags.iter().map(|bag| bag.tf.len()).sum();
         let links: usize = self.robots.iter().map(|robot| robot.links.len()).sum();
         let joints: usize = self.robots.iter().map(|robot| robot.joints.len()).sum();
-        let open = self
-            .publishers
-            .iter()
-            .filter(|publisher| publisher.unread.is_some())
-            .count();
+        let is_wrong = |why: &ReadObstacle| matches!(why, ReadObstacle::Misread(_));
+        let unread = self.publishers.iter().filter_map(|publisher| publisher.unread.as_ref());
+        let (wrong, open): (Vec<_>, Vec<_>) = unread.partition(|why| is_wrong(why));
         let counts = [
             (topics, "topic"),
             (edges, "transform of TF"),
             (links, "link"),
             (joints, "joint"),
             (files.count(), "transform"),
-            (open, "call of a publisher with arguments that are set at run time"),
+            (
+                open.len(),
+                "call of a publisher whose arguments are known only when the file is run",
+            ),
+            (wrong.len(), "call of a publisher with wrong arguments"),
             (self.chains.len(), "product of transforms"),
             (self.origins.len(), "origin on the Earth"),
             (self.ousters.len(), "description of an Ouster"),

@@ -41,7 +41,7 @@ const SIDE: &str = "on its side";
 pub const MIRRORED: &str = "the track that the IMU is compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "the position or the orientation of the pose may be wrong";
+const POSITION: &str = "the position or the orientation of the pose is wrong";
 
 /// What a finding on two orientations says of a mounting.
 pub const CONSTANT: &str = "is constant in the axes of the body";

@@ -70,7 +70,7 @@ const WORLDS: &str = "is constant in the axes of the world";
 const OTHER_AXES: &str = "the orientation may be expressed in other body axes, or with w first";
 
 /// What AXES08 says of poses whose orientation may be wrong.
-const ORIENTATION: &str = "the orientation of the pose may be wrong";
+const ORIENTATION: &str = "the orientation of the pose is wrong";
 
 /// What AXES13 says of poses that may stand in another order.
 const W_FIRST: &str = "the quaternion may be in the order w, x, y, z";

@@ -127,7 +127,7 @@ const ALTERED: &[(&str, &str, &[&str])] = &[
         "topic: /imu/data,",
         &[
             "CONTRACT01 error `/imu` of the contract is not in the recording",
-            "CONTRACT01 note `/imu/data` is not in the contract",
+            "CONTRACT01 note `/imu/data` is recorded, but is not in the contract",
         ],
     ),
     (

@@ -171,6 +171,8 @@ pub(crate) struct Cause {
     pub(crate) text: &'static str,
     /// What to do, in the imperative.
     pub(crate) help: &'static str,
+    /// Another cause with the same measurements, and what to do then.
+    pub(crate) twin: Option<(&'static str, &'static str)>,
     /// The measurement that shows it best, if it shows there.
     pub(crate) shown_by: Aspect,
     /// Whether a driver setting can cause it.
@@ -195,6 +197,7 @@ pub(crate) const HEALTHY: Cause = Cause {
     word: "healthy",
     text: "",
     help: "",
+    twin: None,
     shown_by: Aspect::Base,
     is_of_driver: false,
     is_of_mounting: false,
@@ -213,6 +216,7 @@ const NED: Cause = Cause {
     text: "all of its data are expressed in NED/FRD axes (world: north, east, down; body: forward, right, down)",
     help: "switch the driver to ENU, or convert `R_enu_flu = P * R_ned_frd * F` (P: NED to ENU, F: FRD to FLU) and negate y and z \
            of gyro and accelerometer",
+    twin: None,
     shown_by: Aspect::World,
     is_of_driver: true,
     is_of_mounting: false,
@@ -239,9 +243,12 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "mirrored",
-        text: "the track that the IMU is compared with is mirrored, or all data of the IMU are in left-handed axes (y to the right)",
-        help: "plot the track on a map. If left curves appear as right curves, correct the track (the order of latitude and longitude, or of x and y), and \
-               leave the IMU as it is. If all of the IMU is left-handed, negate y of the acceleration, and x and z of the angular velocity and of the quaternion",
+        text: "the track that the IMU is compared with is mirrored (on a map, its left curves appear as right curves)",
+        help: "correct the track (the order of latitude and longitude, or of x and y), and leave the IMU as it is",
+        twin: Some((
+            "all of its data are expressed in left-handed axes (y to the right, z up)",
+            "negate y of the acceleration, and x and z of the angular velocity and of the quaternion",
+        )),
         shown_by: Aspect::Heading,
         heading: &[Heading::Against],
         sense: &[Sense::Against],

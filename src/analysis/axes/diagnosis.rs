@@ -91,7 +91,7 @@ impl Diagnosis {
     pub(crate) fn sentence(&self) -> String {
         match self.causes.as_slice() {
             [] => String::new(),
-            [one] => format!("Only this cause fits all measurements: {}.", one.text),
+            [one] if one.twin.is_none() => format!("Only this cause fits all measurements: {}.", one.text),
             _ => "Several causes fit all measurements, and the data do not show which it is: see the help.".to_owned(),
         }
     }
@@ -108,7 +108,7 @@ impl Diagnosis {
     pub(crate) fn help(&self) -> Option<String> {
         let help = match self.causes.as_slice() {
             [] => return None,
-            [one] => one.help.to_owned(),
+            [one] if one.twin.is_none() => one.help.to_owned(),
             several => format!(
                 "look up the sensor's axes in its data sheet, and correct the cause that applies:{}",
                 numbered(several)
@@ -127,9 +127,12 @@ impl Diagnosis {
 
 /// The causes with what to do, each on a line of its own, with a number.
 fn numbered(causes: &[&Cause]) -> String {
+    let pairs = causes
+        .iter()
+        .flat_map(|cause| [Some((cause.text, cause.help)), cause.twin]);
     let lines = (1..)
-        .zip(causes)
-        .map(|(number, cause)| format!("\n({number}) {}: {}", cause.text, cause.help));
+        .zip(pairs.flatten())
+        .map(|(number, (cause, help))| format!("\n({number}) {cause}: {help}"));
     lines.collect()
 }
 

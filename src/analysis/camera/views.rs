@@ -204,7 +204,7 @@ impl Mistake {
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::NotTurned => {
-                "rotate the frame by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)"
+                "multiply the rotation of the transform by RPY(-pi/2, 0, -pi/2) from the right; or keep the transform for a body frame, and publish the optical frame as the child of that frame with this RPY (z forward, x right, y down: REP-103)"
             }
             Self::Inverse => {
                 "publish the inverse: TF holds the pose of the child in the parent, calibration files often hold the inverse"

@@ -136,7 +136,7 @@ impl Pair {
     /// The sentence that says which transform both state.
     pub(crate) fn frames_stated(&self) -> String {
         format!(
-            "Both are the transform that takes points from `{}` to `{}`.",
+            "Both are stated as the transform that takes points from `{}` to `{}`.",
             self.reference.source_frame, self.reference.target
         )
     }
@@ -197,4 +197,4 @@ impl Pair {
 }
 
 /// Behind the name of a statement that was inverted to be compared.
-pub(super) const TURNED: &str = " (inverted)";
+pub(crate) const TURNED: &str = " (inverted)";

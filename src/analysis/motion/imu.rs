@@ -6,7 +6,7 @@ use nalgebra::UnitQuaternion;
 
 use crate::analysis::motion::mount::{Mount, mount};
 use crate::analysis::{Estimates, motion::inertial::Inertial, motion::stream::Stream};
-use crate::math::readings::Reading;
+use crate::math::{readings::Reading, rotation::rpy_in_words};
 use crate::tables::InsDriver;
 use crate::world::{
     BagEvidence, bag::TopicContent, content::ContentEvidence, content::CovarianceEvidence, motion::InertialRow,
@@ -58,8 +58,8 @@ impl Imu {
                 mount.base
             ),
             (Some(mount), Some(frame)) => {
-                let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
-                format!("`{}_from_{frame}` rotates by {degrees:.1} deg", mount.base)
+                let rotation = &mount.base_from_sensor.rotation;
+                format!("`{}` -> `{frame}` has {}", mount.base, rpy_in_words(rotation))
             }
             (_, Some(frame)) => format!("no transform connects `{frame}` with a base, so none is applied"),
             _ => "the messages name no frame, so no transform is applied".to_owned(),

@@ -100,7 +100,7 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
     });
     if form == Some(plain::Form::States) {
         let line = source.text.lines().next().map_or(0, str::len);
-        let says = "OpenVINS states contain JPL's q_GtoI, whose numbers are those of Hamilton's q_ItoG";
+        let says = "OpenVINS itself writes JPL quaternions from the global frame to the IMU (q_GtoI), whose numbers are the Hamilton quaternion from the IMU to the global frame (q_ItoG); a converter may have written the Hamilton quaternion from the global frame to the IMU";
         facts
             .jpl
             .push(SourceValue::new(says.to_owned(), Place::text(source.id, 0..line)));

@@ -121,7 +121,8 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, ReadObstacle> {
         return Err(ReadObstacle::Misread(if matches!((numbers, others), (6 | 7, 2)) {
             "the two frames must come after the numbers".to_owned()
         } else {
-            format!("{numbers} numbers and {others} other words, not 6 or 7 and 2")
+            let plural = if others == 1 { "" } else { "s" };
+            format!("{numbers} numbers and {others} other word{plural}, not 6 or 7 and 2")
         }));
     };
     if let Some(name) = numbers.iter().find(|word| !word.is_open && !is_number(word)) {

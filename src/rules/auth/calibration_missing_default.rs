@@ -78,12 +78,12 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
     };
     let (help, what) = if certain {
         (
-            "write the calibration into the file, and let the loader fail on an empty file instead of using the identity",
+            "write the calibration into the file, and make the loader fail on an empty file (some loaders use the identity instead)",
             "calibration files without content",
         )
     } else {
         (
-            "correct the path or add the file, and let the loader fail on a missing file instead of using the identity",
+            "find the folder from which the program reads the path:\n(1) if the file is in that folder, waive this finding\n(2) if not, correct the path or add the file, and make the loader fail on a missing file (some loaders use the identity instead)",
             "missing calibration files",
         )
     };

@@ -1,9 +1,10 @@
 //! AXES13: the axes of a platform's own frame: x forward, y left, z up.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::analysis::axes::bases::{Axis, Base, BaseEstimate, Bases, Limits};
 use crate::analysis::suffix::axes_in_words;
+use crate::math::rotation::rpy_in_words;
 use crate::rules::prelude::*;
 
 pub(crate) struct BaseFrameFlu;
@@ -110,8 +111,11 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     let because = match &seen.gravity {
         Some((axis, sensor)) if *axis != up => {
             format!(
-                "Shown by {says} of {}. On `{frame}`, {sensor} has z up, and the pose rotates opposite to that gyro.",
-                base.stream
+                "Shown by {says} of {}. Gravity of {sensor} shows {} of `{frame}` up, but the pose shows {} up, and rotates opposite to that gyro. Leave \
+                 {sensor} as it is.",
+                base.stream,
+                axis.word(),
+                up.word()
             )
         }
         Some((_, sensor)) => format!("Shown by {says} of {} and by gravity of {sensor}.", base.stream),
@@ -151,20 +155,39 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     } else {
         Finding::warning(subject, message, base.place.clone())
     };
-    let finding = finding
-        .likely()
-        .detail(format!("{because}{doubt}{known}"))
-        .help(format!(
-            "{else_do}publish `{frame}` with x forward, y left, z up (REP-103): `world_from_flu = world_from_present * present_from_flu`; keep \
-             the present axes as a child frame with a name of its own{}",
-            spelled
-                .as_ref()
-                .map_or_else(String::new, |letters| format!(" (`{frame}_{}`)", letters.to_lowercase()))
+    let finding = finding.likely().detail(format!("{because}{doubt}{known}"));
+    let (Some(letters), Some(forward)) = (spelled, seen.forward) else {
+        return finding.help(format!(
+            "{else_do}publish `{frame}` with x forward, y left, z up (REP-103), twist and covariances too; keep the present axes as a \
+             child frame with a name of its own, and let it be the parent of the sensors"
         ));
-    match spelled {
-        Some(letters) => finding.relation(letters.to_lowercase()),
-        None => finding,
-    }
+    };
+    let present_from_flu = present_from_flu(forward, up);
+    let (to_flu, back) = (
+        rpy_in_words(&present_from_flu),
+        rpy_in_words(&present_from_flu.inverse()),
+    );
+    let word = letters.to_lowercase();
+    let size = Measured::new(
+        "rotation from x forward, y left, z up",
+        present_from_flu.angle().to_degrees(),
+        "deg",
+    );
+    finding
+        .relation(word.as_str())
+        .measured(size.expected(0.0))
+        .help(format!(
+            "{else_do}publish `{frame}` with x forward, y left, z up (REP-103): multiply the orientation of the pose by {to_flu} from the \
+             right, and rotate twist and covariances into the new axes. Make sensors whose transforms were measured in the present axes \
+             children of a new frame `{frame}_{word}`, where `{frame}` -> `{frame}_{word}` has {back}"
+        ))
+}
+
+/// The rotation from axes that are forward, left, up to the present ones.
+fn present_from_flu(forward: Axis, up: Axis) -> UnitQuaternion<f64> {
+    let (forward, up) = (forward.vector(), up.vector());
+    let columns = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
 
 /// Where x, y and z point, as letters: `FLU`, `FRD`, `RFU`. `None` where forward and up lie along one axis.

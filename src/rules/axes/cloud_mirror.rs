@@ -60,20 +60,19 @@ fn judge_clouds(
     } else {
         ("down", "upright", "-1")
     };
-    let by_transform = format!(
-        "By the transforms, z of the scanner points {z}. Either the scanner is mounted {mounted} and its transform does not say so, or the driver \
-         publishes the ranges in reverse order. In one plane both look the same."
-    );
+    let by_transform =
+        format!("By the transforms, z of the scanner points {z}. In one plane, the causes below look the same.");
     let look = format!(
         "look at the scanner, then:\n\
          (1) if the scanner is mounted {mounted}, add a roll of 180 deg to its mounting transform\n\
-         (2) if not, make the driver publish the ranges in the order of increasing angles (an option such as `inverted`)"
+         (2) if the ranges are in reverse order, make the driver publish them in the order of increasing angles (an option such as `inverted`)\n\
+         (3) if neither, correct the sign of {reference}: its yaw must increase in a turn to the left"
     );
     let by_ground = |cause: &str| format!("By the ground in the cloud, z points {z}. Probable cause: {cause}.");
     let (relation, fault, detail, help) = if clouds.laser.is_some() {
         (
             if is_up { "upside-down" } else { "upright" },
-            "scans are upside down or reversed",
+            "scan is upside down or reversed",
             by_transform,
             look.as_str(),
         )
@@ -82,26 +81,26 @@ fn judge_clouds(
             "mirrored",
             "cloud is mirrored",
             by_ground("x or y has the wrong sign, or x and y are swapped"),
-            "correct x and y in the code that converts ranges and angles to points: an angle counted in the wrong direction, or \
-             left-handed axes (x, -y, z)",
+            "in the code that converts ranges and angles to points, count the angle in the other direction; or negate y, if the axes are \
+             left-handed (x, -y, z)",
         )
     } else {
         (
             "z-negated",
             "cloud is mirrored",
             by_ground("z has the wrong sign"),
-            "correct z in the code that converts ranges and angles to points: for a sensor that is upside down, negate two axes (y and z)",
+            "in the code that converts ranges and angles to points, do not negate z alone: for a sensor that is upside down, negate y and z",
         )
     };
     let message = format!(
-        "`{}`: {fault}: {:+.2} times the turns of {reference}, expected {expected}",
+        "`{}`: {fault}: it turns {:+.2} times as far as {reference}, expected {expected}",
         clouds.topic.topic, turned.gain
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
         .detail(detail)
-        .related(beside.place.clone(), "reference: compared with this rotation")
+        .related(beside.place.clone(), "compared with this rotation")
         .help(help);
     let mounting = clouds.frame().filter(|_| clouds.laser.is_some());
     let mounting = mounting.and_then(|frame| Some((mount(world, &frame)?.base, frame)));

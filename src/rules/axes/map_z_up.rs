@@ -75,7 +75,9 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     let severity = if is_sure { Severity::Error } else { Severity::Warning };
     let (relation, kind, help) = named(frame, gravity, limits);
     let mut doubt = String::new();
-    if !is_sure && !is_small {
+    if is_sure {
+        doubt = format!(" On its mounting, {} has the right sign.", gravity.sensor);
+    } else if !is_small {
         doubt = format!(
             " Instead, the accelerometer of {} may have the opposite sign.",
             gravity.sensor
@@ -115,6 +117,11 @@ fn by_name(frame: &Frame, finding: Finding) -> Finding {
     }
 }
 
+/// What to do with poses in NED.
+const FROM_NED: &str = "name the frame `..._ned`, or convert the poses to z up (REP-103), with P = [0 1 0; 1 0 0; 0 0 -1]:\n\
+                        (1) world NED, body forward, left, up: position (x, y, z) -> (y, x, -z), rotation R -> P R\n\
+                        (2) world NED, body forward, right, down: the same position, rotation R -> P R diag(1, -1, -1)";
+
 /// Relation, description and help for a frame with this up.
 fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'static str, &'static str) {
     let near = |x: f64, y: f64, z: f64| {
@@ -125,9 +132,7 @@ fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'
         let help = "rename the frame without `ned`, or convert its poses to NED: the data have z up";
         ("z-up", " (z up, while NED has z down)", help)
     } else if near(0.0, 0.0, -1.0) {
-        let help = "convert the poses from NED to ENU, or name the frame `..._ned` (REP-103 requires z up):\nposition (x, y, z) -> (y, x, -z)\nrotation \
-                    R -> P R with P = [0 1 0; 1 0 0; 0 0 -1]; if the body is forward, right, down, R -> P R diag(1, -1, -1)";
-        ("z-down", " (z down, as in NED)", help)
+        ("z-down", " (z down, as in NED)", FROM_NED)
     } else if near(0.0, -1.0, 0.0) {
         let help = "rename this frame to `camera_map`, and publish `map` -> `camera_map` with RPY(-90, 0, -90) deg, corrected so that gravity points \
                     along -z of `map`";
@@ -179,7 +184,11 @@ fn judge_heights(
             frame.stream, heights.receiver
         ))
         .relation("z-down")
-        .help("publish z up (REP-103):\n(1) if the positions are NED, convert (x, y, z) to (y, x, -z)\n(2) if they are forward, right, down, convert to (x, -y, -z)\n(3) if only z is wrong, negate z\nConvert an orientation beside them in the same way.");
+        .help(format!(
+            "{FROM_NED}\n\
+             (3) world and body forward, right, down: position (x, y, z) -> (x, -y, -z), quaternion (x, y, z, w) -> (x, -y, -z, w)\n\
+             (4) only z of the position is wrong: negate z, and leave the orientation"
+        ));
     let finding = cause.into_iter().fold(finding, Finding::same_cause_as);
     out.fail(by_name(frame, finding).measured(measured));
 }

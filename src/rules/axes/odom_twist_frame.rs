@@ -105,7 +105,7 @@ fn fail_pose(
     };
     let message = format!("`{}`: {words}", stream.topic);
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place()).detail(
-        "Corrected, the pose moves as the velocity says. As published, no reading of the velocity explains the motion of the pose.",
+        "With the correction, the pose moves as the velocity says. As published, no reading of the velocity explains the motion of the pose.",
     );
     out.fail(
         stream
@@ -185,7 +185,10 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         _ => "",
     };
     let detail = format!(
-        "Corrected, the velocity explains the motion of the pose. Instead, the position or the orientation of the pose may be wrong{also}."
+        "With the correction, the velocity explains the motion of the pose (unexplained share {:.2}, as published {:.2}). Another possible \
+         cause: the velocity is right, and the position or the orientation of the pose is wrong{also}.",
+        best.1,
+        twists.residual(Reading::Body)
     );
     out.fail(
         stream
@@ -281,7 +284,7 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
         } else if near(-1.0) {
             (
                 "has the opposite sign",
-                "Instead, the yaw of the orientation may increase clockwise: an inverted orientation, or a compass heading. These data \
+                "Another possible cause: the yaw of the orientation increases clockwise (inverted orientation, or compass heading). These data \
                  cannot distinguish the causes.",
                 "turn to the left:\n(1) if the yaw of the pose increases, negate the yaw rate (REP-103)\n(2) if the yaw of the pose \
                  decreases, conjugate the quaternion (inverted orientation) or publish `yaw_ros = pi/2 - heading` (compass heading)",
@@ -291,7 +294,7 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
         } else {
             (
                 "does not match",
-                "Instead, the orientation of the pose may be wrong.",
+                "Another possible cause: the orientation of the pose is wrong.",
                 "publish the yaw rate in rad/s about the child frame's z axis (REP-103)",
             )
         };

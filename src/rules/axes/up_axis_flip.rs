@@ -82,21 +82,17 @@ fn judge_side(
     };
     let (_, min_score) = limits.is_ground().least(&least.plane);
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
+    let angle = format!("angle between {word} and up, by the transforms");
     let measured = [
+        Measured::new(angle, off_deg, "deg").limit(limits.max_off_deg),
         Measured::new(
-            format!("angle between {word} and up, by the transforms"),
-            off_deg,
-            "deg",
-        )
-        .limit(limits.max_off_deg),
-        Measured::new(
-            "cells of the ground on the opposite side, less cells with points below",
+            "evidence for this ground (grid cells on the plane, fewer if points are below the plane)",
             least.score,
             "1",
         )
         .at_least(min_score)
         .samples(of_side().count() as u64),
-        Measured::new("the same number for the next best side", next, "1"),
+        Measured::new("the same evidence for the next best direction", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
@@ -112,26 +108,38 @@ fn judge_side(
     let against = gravity
         .filter(|(along, _)| *along <= -limits.min_gravity)
         .map(|(_, who)| who);
-    let (relation, what, help) = named(word);
+    let is_opposite = off_deg > 180.0 - limits.max_off_deg;
+    let (relation, what, help) = named(word, is_opposite);
+    // The axis that is up, or down: without a sign.
+    let (axis_word, way, opposite) = match word.strip_prefix('-') {
+        Some(axis) => (axis, "down", "up"),
+        None => (*word, "up", "down"),
+    };
     let but = match (&mount, &frame) {
         (Some(mount), _) if mount.is_base => format!("but `{}` is a base with z up", mount.base),
+        (Some(mount), Some(frame)) if is_opposite => {
+            format!("but `{}` -> `{frame}` has {axis_word} {opposite}", mount.base)
+        }
         (Some(mount), Some(frame)) => {
-            format!("but is {off_deg:.0} deg from up by `{}_from_{frame}`", mount.base)
+            format!(
+                "but `{}` -> `{frame}` has {axis_word} {off_deg:.0} deg from {way}",
+                mount.base
+            )
         }
         _ => match &against {
-            Some(who) => format!("but by gravity of {who} it points down"),
-            None => "not z".to_owned(),
+            Some(who) => format!("but the accelerometer of {who} shows {axis_word} {opposite}"),
+            None => "but z must point up (REP-103)".to_owned(),
         },
     };
     let message = format!(
-        "`{}`: {word} points up by the ground in the cloud, {but}",
+        "`{}`: ground in the cloud shows {axis_word} {way}, {but}",
         clouds.topic.topic
     );
     let is_known = mount.is_some() || against.is_some();
     let untied = if is_known {
         ""
     } else {
-        " No transform ties its frame to a base."
+        " No transform connects the frame of the cloud with a base."
     };
     let ground = word.strip_prefix('-').map_or_else(|| format!("-{word}"), str::to_owned);
     let detail = format!("The points show the ground in the direction of {ground}: {what}.{untied}");
@@ -200,18 +208,22 @@ fn gravity(world: &World, motion: &Motion, bag: usize, frame: &FrameId) -> Optio
     own.or_else(|| imus.iter().find_map(of))
 }
 
-/// Relation, description and help for a cloud with this side up.
-fn named(side: &str) -> (&'static str, &'static str, &'static str) {
+/// Relation, description and help for a cloud with this side up, which may be down by the transforms.
+fn named(side: &str, is_opposite: bool) -> (&'static str, &'static str, &'static str) {
     match side {
         "z" => (
             "mount",
             "the cloud itself has z up",
-            "correct the rotation of the mounting transform: a driver that already corrects an upside-down sensor needs one without that rotation",
+            if is_opposite {
+                "correct the rotation of the mounting transform so that z points up: if the driver already turns the points of an upside-down sensor, the transform must not turn them again"
+            } else {
+                "correct roll or pitch of the mounting transform so that z points up: look for a rotation to optical axes, or a sideways mounting, that the points do not have"
+            },
         ),
         "-z" => (
             "x180",
             "z points down",
-            "if the sensor hangs upside down, add that rotation (roll or pitch of 180 deg: the ground does not show which) to its transform; if it stands upright, switch off the flip in its driver",
+            "look at the sensor:\n(1) if the sensor hangs upside down, add a roll of 180 deg to its mounting transform (or a pitch of 180 deg: the ground does not show which)\n(2) if the sensor stands upright, switch off the option of the driver that turns the points upside down",
         ),
         "-y" => (
             "optical",

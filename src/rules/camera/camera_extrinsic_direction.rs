@@ -225,17 +225,28 @@ fn judge_claim(
                 "`{}` is inverted: takes points from `{target}` to `{source}` ({:.2} m and {:.0} deg off)",
                 claim.label, as_read.0, as_read.1
             );
+            let named = |frame: &FrameId, name: &FrameId| {
+                if frame == name {
+                    format!("`{frame}`")
+                } else {
+                    format!("`{frame}` (`{name}` in the file)")
+                }
+            };
             let finding = Finding::warning(subject, message, claim.place.clone())
                 .confidence(claim.reading.min(Confidence::Likely))
                 .relation("inverse")
                 .unless_relation(codes::CROSS02)
                 .unless_relation(codes::CROSS07)
                 .detail(format!(
-                    "By URDF and TF of the robot, `{of_target}` -> `{of_source}` is {:.2} m and {:.1} deg from the inverse of the matrix.",
-                    inverse.0, inverse.1
+                    "URDF and TF of the robot take points from {} to {} by a transform that is {:.2} m and {:.1} deg from the inverse of \
+                     the stated one.",
+                    named(&of_source, source),
+                    named(&of_target, target),
+                    inverse.0,
+                    inverse.1
                 ))
                 .help(format!(
-                    "invert the matrix, so that points are taken from `{source}` to `{target}`; or exchange the names of the two frames"
+                    "invert the transform, so that points are taken from `{source}` to `{target}`; or exchange the names of the two frames"
                 ));
             out.fail(finding.measured(measured));
         }

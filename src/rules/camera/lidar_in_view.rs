@@ -94,7 +94,7 @@ fn judge_shown(
                 finding = finding.detail(format!("As published, the camera is {:.2} m below the ground.", -height_m));
             }
             finding = finding.detail(format!(
-                "Corrected, the image is upright, the camera is above the ground, and {:.1} % of the points on `{topic}` are in the image.",
+                "With this mistake corrected, the image is upright, the camera is above the ground, and {:.1} % of the points on `{topic}` are in the image.",
                 100.0 * share
             ));
             if mistakes.len() > 1 {

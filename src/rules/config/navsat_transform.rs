@@ -83,7 +83,8 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
         return;
     };
     let subject = format!("yaw offset of {of}");
-    let measured = Measured::new("yaw_offset", offset, "rad").limit(std::f64::consts::TAU);
+    let value = Measured::new("yaw_offset", offset, "rad");
+    let measured = value.clone().limit(std::f64::consts::TAU);
     if offset.abs() > std::f64::consts::TAU {
         let message = format!("`yaw_offset` is {offset} rad, more than a full rotation");
         let finding = Finding::error(subject, message, place.clone())
@@ -101,10 +102,16 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
         out.fail(
             finding
                 .detail(
-                    "This holds for a yaw that increases counter-clockwise. No offset corrects a yaw that increases clockwise.",
+                    "The yaw of the IMU plus `yaw_offset` must be 0 facing east, and must increase counter-clockwise. No offset corrects a yaw \
+                     that increases clockwise.",
                 )
-                .help("write 1.5707963, or correct the driver's convention")
-                .measured(measured),
+                .help(
+                    "turn the robot left, then face it east, and read the yaw of the IMU:\n(1) if the yaw decreases in the left turn, make the \
+                     driver publish a yaw that increases counter-clockwise, and read again\n(2) if the yaw is about 0 facing east (REP-103), \
+                     write 0.0\n(3) if the yaw is about -90 deg facing east (0 facing north), write 1.5707963\n(4) if the yaw is about +90 deg \
+                     facing east, keep -90 deg",
+                )
+                .measured(value.expected(std::f64::consts::FRAC_PI_2)),
         );
     } else {
         out.pass(subject, [measured]);
@@ -124,7 +131,7 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
             .likely()
             .relation("degrees");
         let help = format!(
-            "write {:.7}, and check the sign: west is positive",
+            "write {:.7}, and check the sign: west is positive (the node adds the value to a counter-clockwise yaw)",
             written.to_radians()
         );
         return out.fail(finding.help(help).measured(size));

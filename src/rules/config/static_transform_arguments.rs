@@ -77,7 +77,14 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
         return Some((
             format!("{PROGRAM}{of} cannot read its arguments: {why}"),
             String::new(),
-            "write x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
+            if publisher.package.as_deref() == Some("tf") {
+                "write x y z yaw pitch roll parent child period, or x y z qx qy qz qw parent child period (the period in milliseconds)"
+            } else if publisher.is_ros2 == Some(true) {
+                "write --x --y --z --yaw --pitch --roll --frame-id PARENT --child-frame-id CHILD, each flag with its value; or, as before Humble, x y z yaw \
+                 pitch roll parent child"
+            } else {
+                "write x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child"
+            },
         ));
     }
     publisher.form.filter(|form| *form != ArgumentForm::Flags)?;
@@ -110,7 +117,7 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, String, &'static str)
     }
 }
 
-/// Two strings of a Python file without a comma between them, in arguments that cannot be read, and their place.
+/// Two strings of a Python file with only whitespace and comments between them, in arguments that cannot be read, and their place.
 fn joined(world: &World, publisher: &StaticPublisher) -> Option<(String, Place)> {
     let source = publisher.place.source;
     let is_misread = matches!(publisher.unread, Some(ReadObstacle::Misread(_)));
@@ -119,19 +126,29 @@ fn joined(world: &World, publisher: &StaticPublisher) -> Option<(String, Place)>
         .is_some_and(|ending| ending == "py");
     let span = publisher.place.span().filter(|_| is_misread && is_python)?;
     // With the quotes of the first and the last one.
-    let mut start = span.start.checked_sub(1)?;
-    for piece in world.source(source)?.text.get(start..span.end + 1)?.split(',') {
-        let strings = piece.trim();
-        let parts: Vec<&str> = strings.split(['\'', '"']).collect();
-        if let ["", _, between, _, ""] = parts.as_slice()
-            && !between.is_empty()
-            && between.trim().is_empty()
-        {
-            let start = start + (piece.len() - piece.trim_start().len());
-            let place = Place::text(source, Span::new(start, start + strings.len()));
-            return Some((strings.to_owned(), place));
+    let start = span.start.checked_sub(1)?;
+    let text = world.source(source)?.text.get(start..span.end + 1)?;
+    let mut before: Option<usize> = None;
+    let mut at = 0;
+    while let Some(next) = text.get(at..)?.chars().next() {
+        let rest = text.get(at + next.len_utf8()..)?;
+        let length = match next {
+            '\'' | '"' => rest.find(next)? + 1,
+            '#' => rest.find('\n').unwrap_or(rest.len()),
+            _ => 0,
+        };
+        let end = at + next.len_utf8() + length;
+        match (next, before) {
+            ('\'' | '"', Some(first)) => {
+                let place = Place::text(source, Span::new(start + first, start + end));
+                return Some((text.get(first..end)?.to_owned(), place));
+            }
+            ('\'' | '"', None) => before = Some(at),
+            ('#', _) => {}
+            (space, _) if space.is_whitespace() => {}
+            _ => before = None,
         }
-        start += piece.len() + 1;
+        at = end;
     }
     None
 }

@@ -36,13 +36,13 @@ impl Rule for ContractTopic {
         if let Some((bag, topic)) = unknown.first() {
             let names = names(&unknown);
             let message = match unknown.len() {
-                1 => format!("{names} is not in the contract"),
-                count => format!("{count} topics are not in the contract"),
+                1 => format!("{names} is recorded, but is not in the contract"),
+                count => format!("{count} topics are recorded, but are not in the contract"),
             };
             let place = Place::of(bag.source, topic.stamps.first.as_ref());
             let finding = Finding::note("topics that the contract does not know", message, place)
                 .detail(if unknown.len() > 1 { format!("These are {names}.") } else { String::new() })
-                .help("add each topic of the platform to the contract, with `optional: true` where a recording may lack the topic")
+                .help("add each topic that is intended to `contract: topics:` in frames-lint.yaml, with `optional: true` where a recording may lack the topic; rename or remove a topic that is not intended")
                 .measured(Measured::count("topics that are not in the contract", unknown.len()).limit(0.0));
             out.fail(finding);
         }

@@ -149,6 +149,31 @@ fn sigmas(closure: &Isometry3<f64>, limits: &Limits) -> f64 {
     (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt()
 }
 
+/// The error that one of the three has, as a sentence.
+fn wrong(culprit: &Statement, relation: Relation) -> String {
+    match relation {
+        Relation::Inverse => format!(
+            "{} is inverted: the numbers take points in the opposite direction.",
+            culprit.who
+        ),
+        _ => format!("Error in {}: {}", culprit.who, relation.describe()),
+    }
+}
+
+/// What to do about the errors that would each close the loop.
+fn help(culprits: &[(&Statement, Relation)], is_reversed: bool) -> String {
+    match culprits {
+        _ if is_reversed => "look up in which direction the program that wrote the file means its keys; calibrate again only if the loop closes neither way".to_owned(),
+        [] => "calibrate the three transforms together, or find the wrong one and calibrate that one again".to_owned(),
+        [(culprit, Relation::Inverse)] => format!(
+            "invert the numbers of {0}, or exchange the two frames in the name of {0} if the numbers are right; calibrate again only if the loop does not close then",
+            culprit.who
+        ),
+        [(culprit, _)] => format!("correct that error in {}; calibrate again only if the loop does not close then", culprit.who),
+        _ => "find out which of these errors was made, and correct that error; calibrate again only if the loop does not close then".to_owned(),
+    }
+}
+
 impl Loop<'_> {
     /// What an edge would have to be for the loop to close.
     fn expected(&self, index: usize) -> Isometry3<f64> {
@@ -189,14 +214,19 @@ impl Loop<'_> {
                 Some((*statement, relation))
             })
             .collect();
-        let message =
-            format!("`{a}`, `{b}` and `{c}` do not close a loop: residual {angle_deg:.2} deg and {distance_m:.3} m");
+        let is_reversed = self.closes_reversed(limits);
+        let message = match culprits.as_slice() {
+            [(culprit, Relation::Inverse)] if !is_reversed => format!(
+                "{} is inverted: the loop of three frames is off by {angle_deg:.2} deg and {distance_m:.3} m",
+                culprit.who
+            ),
+            _ => format!("`{a}`, `{b}` and `{c}` do not close a loop: off by {angle_deg:.2} deg and {distance_m:.3} m"),
+        };
         let (detail, place, relation) = match culprits.as_slice() {
             [(culprit, relation)] => (
                 format!(
-                    "The loop closes if this error in {} is corrected: {}",
-                    culprit.who,
-                    relation.describe()
+                    "{} The loop of `{a}`, `{b}` and `{c}` closes if that is corrected.",
+                    wrong(culprit, *relation)
                 ),
                 culprit.place.clone(),
                 Some(relation.word()),
@@ -220,16 +250,7 @@ impl Loop<'_> {
             Finding::warning(subject, message, place)
         };
         let reading = self.edges.iter().map(|(_, statement)| statement.reading).min();
-        let is_reversed = self.closes_reversed(limits);
-        let mut finding = finding
-            .likely()
-            .detail(detail)
-            .help(match culprits.as_slice() {
-                _ if is_reversed => "look up in which direction the program that wrote the file means its keys; calibrate again only if the loop closes neither way",
-                [] => "calibrate the three transforms together, or find the one that is wrong and calibrate it again",
-                [_] => "correct that error; calibrate again only if the loop does not close then",
-                _ => "find out which of them has its error, and correct it; calibrate again only if the loop does not close then",
-            });
+        let mut finding = finding.likely().detail(detail).help(help(&culprits, is_reversed));
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
         }

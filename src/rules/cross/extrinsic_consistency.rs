@@ -6,7 +6,10 @@ use crate::analysis::{
     cross::statements::pairs,
 };
 use crate::rules::prelude::*;
-use crate::world::{Claim, World};
+use crate::world::{
+    Claim, World,
+    graph::{Edge, Step},
+};
 
 pub(crate) struct ExtrinsicConsistency;
 
@@ -76,11 +79,35 @@ fn judge_pair(world: &World, mut pair: Pair, notations: &KeyNotations, limits: &
     let message = format!("{other} differs from {reference} by {angle_deg:.2} deg and {distance_m:.3} m");
     let [rotation, translation] = measured;
     let finding = Finding::new(severity, subject, message, pair.other.place.clone())
-        .detail(pair.frames_stated())
+        .detail(pair.frames_stated() + &chain(world, &pair.other) + &chain(world, &pair.reference))
         .help(help)
         .unless(codes::CROSS02)
         .unless(codes::QUAT03)
         .measured(rotation)
         .measured(translation);
     out.fail(pair.point_at_all(finding));
+}
+
+/// The frames of a chain, as a sentence behind a space; nothing where a single statement has the transform.
+fn chain(world: &World, one: &Statement) -> String {
+    let graph = world.graph();
+    let is_of_source = |edge: &Edge| edge.is_rigid && edge.source(world) == Some(one.place.source);
+    let find = || graph.chain(&one.target, &one.source_frame, is_of_source);
+    let Some((_, steps)) = one.is_chain().then(find).flatten() else {
+        return String::new();
+    };
+    let step = |step: &Step| {
+        let edge = graph.edges.get(step.edge)?;
+        Some(if step.forward {
+            format!(" -> `{}`", edge.child)
+        } else {
+            format!(" <- `{}`", edge.parent)
+        })
+    };
+    let frames: String = steps.iter().filter_map(step).collect();
+    format!(
+        " The chain is `{}`{frames} in {}.",
+        one.target,
+        world.path(one.place.source)
+    )
 }

@@ -6,7 +6,7 @@ use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Limits, SharedRelations, off_axes_deg};
 use crate::analysis::cross::notation::KeyNotations;
-use crate::analysis::cross::pair::{Direction, Pair};
+use crate::analysis::cross::pair::{Direction, Pair, Statement, TURNED};
 use crate::analysis::cross::statements::pairs;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
@@ -86,7 +86,7 @@ fn judge_pair(
                 pair.reference.source_frame.to_string(),
             );
             let wants = if contradicts_itself(world, pair) {
-                ". Its key and the frames beside it contradict each other: correct the one that is wrong"
+                ". The key and the frames stated beside the numbers contradict each other: correct the wrong one"
             } else {
                 publisher_wants(world, pair, relation)
             };
@@ -109,19 +109,41 @@ fn finding(
     found: &Classification,
     difference: [Measured; 2],
 ) -> Finding {
-    let [other, reference] = pair.names(world);
-    let message = format!("{other} {}", relation.relates_to(&reference));
+    let mut names = pair.names(world);
+    if relation == Relation::Inverse {
+        // As stated, since the error is the direction.
+        names = names.map(|name| name.replace(TURNED, ""));
+    }
+    let [other, reference] = names;
+    let is_exchanged = relation == Relation::Inverse && pair.other.direction != pair.reference.direction;
+    let (message, what) = if is_exchanged {
+        let [a, b] = [&pair.other, &pair.reference].map(stated_edge);
+        (
+            format!("{other} has the numbers of {reference}, but with parent and child exchanged"),
+            format!("{other} states {a}, and {reference} states {b}. With parent and child of {other} exchanged"),
+        )
+    } else {
+        (
+            format!("{other} {}", relation.relates_to(&reference)),
+            format!(
+                "{} If {reference} is right, this is the error in {other}. {} With this error undone",
+                pair.frames_stated(),
+                relation.describe()
+            ),
+        )
+    };
     let mut detail = format!(
-        "{} {} With this error undone they differ by {:.2} deg and {:.3} m.",
-        pair.frames_stated(),
-        relation.describe(),
+        "{what}, the two differ by {:.2} deg and {:.3} m.",
         found.residual_angle_rad.to_degrees(),
         found.residual_m
     );
+    if [&other, &reference].iter().any(|name| name.contains(TURNED)) {
+        detail = format!("{detail} A transform marked \"(inverted)\" is stated in the opposite direction.");
+    }
     let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
     if !also.is_empty() {
         detail = format!(
-            "{detail} Other known errors that explain it as well: {}.",
+            "{detail} Other known errors that explain the difference as well: {}.",
             also.join(", ")
         );
     }
@@ -134,10 +156,18 @@ fn finding(
             pair.taken()
         );
     }
-    let help = format!(
-        "find out which of the two describes the robot, and correct the other{wants}{}",
-        same_cause(relation)
-    );
+    let step = match relation {
+        Relation::Inverse => {
+            let verb = if is_exchanged {
+                "exchange the two frames of"
+            } else {
+                "invert"
+            };
+            format!("if {reference} is right, {verb} {other}; if {other} is right, invert {reference}")
+        }
+        _ => "find out which of the two describes the robot, and correct the other".to_owned(),
+    };
+    let help = format!("{step}{wants}{}", same_cause(relation));
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
         .detail(detail)
@@ -156,6 +186,14 @@ fn finding(
             "m",
         ))
         .measured(Measured::count("known errors that explain it", found.class.len()))
+}
+
+/// The edge that a statement states, before it was inverted for the comparison.
+fn stated_edge(one: &Statement) -> String {
+    match one.direction {
+        Direction::AsStated => format!("`{}` -> `{}`", one.target, one.source_frame),
+        Direction::TurnedRound => format!("`{}` -> `{}`", one.source_frame, one.target),
+    }
 }
 
 /// The rule that may report the same fault from one source alone.
@@ -275,7 +313,7 @@ fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static s
     let wants = match relation {
         Relation::Ypr => ": static_transform_publisher reads x y z yaw pitch roll parent child",
         Relation::Inverse if pair.other.direction == Direction::TurnedRound => {
-            ": static_transform_publisher reads the parent first, then the child; the two are exchanged"
+            "; static_transform_publisher reads the parent first, then the child"
         }
         _ => return "",
     };

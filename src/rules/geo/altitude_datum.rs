@@ -138,9 +138,12 @@ fn at_sea(
     limits: &Limits,
 ) -> Finding {
     let low_or_high = if apart.median_m < 0.0 { "low" } else { "high" };
+    let above_or_below = if undulation_m < 0.0 { "below" } else { "above" };
     let known = format!(
-        "The difference is that between mean sea level and the WGS 84 ellipsoid, the geoid undulation of {undulation_m:.2} m ({:.2} m \
-         remain, limit {} m).",
+        "Here mean sea level is {:.2} m {above_or_below} the WGS 84 ellipsoid (EGM96), so a height above mean sea level is {:.2} m too \
+         {low_or_high}. The measured difference deviates from that by {:.2} m (limit {} m).",
+        undulation_m.abs(),
+        undulation_m.abs(),
         (apart.median_m + undulation_m).abs(),
         limits.max_off_m
     );
@@ -154,13 +157,16 @@ fn at_sea(
         )
     } else {
         (
-            "the altitude",
+            "altitude",
             "The altitude is probably above mean sea level, but `NavSatFix` requires the altitude above the ellipsoid.",
-            format!("publish `altitude = height above mean sea level + geoid separation` ({undulation_m:+.2} m here)"),
+            format!(
+                "publish `altitude = height above mean sea level + geoid separation`, with the geoid separation of the receiver (field 11 of GGA; \
+                 by EGM96 {undulation_m:+.2} m here)"
+            ),
         )
     };
     let message = format!(
-        "`{}`: {what} is {:.2} m too {low_or_high} compared with `{}`: sea level used as ellipsoid",
+        "`{}`: {what} is {:.2} m too {low_or_high} compared with `{}`: probably from mean sea level",
         low.topic,
         apart.median_m.abs(),
         sound.topic

@@ -3,6 +3,7 @@
 use crate::analysis::geo::earth::EarthPose;
 use crate::analysis::geo::level::{EarthAttitude, Limits, expected, see};
 use crate::math::earth_turns::{EarthTurn, shown};
+use crate::math::rotation::xyzw_in_words;
 use crate::rules::prelude::*;
 
 pub(crate) struct EcefEnuRotation;
@@ -45,16 +46,33 @@ fn judge_one(stated: &EarthPose, limits: &Limits, out: &mut Judge) {
         return out.not_applicable(subject, why);
     };
     let excused = stated.rounding_rad.to_degrees();
+    let after = if worst.is_inverse { ", after inversion" } else { "" };
     let measured = [
-        Measured::new("tilt from east, north, up", worst.tilt_deg, "deg")
+        Measured::new("tilt from east, north, up", worst.written_tilt_deg, "deg")
             .turn()
             .limit(limits.warning_deg.max(excused)),
-        Measured::new("angle of x from east towards north", worst.yaw_deg, "deg"),
+        Measured::new(
+            format!("angle of x from east towards north{after}"),
+            worst.yaw_deg,
+            "deg",
+        ),
     ];
     if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
         return out.pass(subject, measured);
     }
-    out.fail(wrong(stated, &worst, limits).measured(measured));
+    let inverted = worst.is_inverse.then(|| {
+        let moved = worst.pose.translation.vector - worst.pose.inverse().translation.vector;
+        [
+            Measured::new("tilt from east, north, up, after inversion", worst.tilt_deg, "deg"),
+            Measured::new(
+                "distance of the origin as written from its place after inversion",
+                moved.norm(),
+                "m",
+            ),
+        ]
+    });
+    let finding = wrong(stated, &worst, limits).measured(measured);
+    out.fail(finding.measured(inverted.into_iter().flatten()));
 }
 
 fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Finding {
@@ -99,7 +117,10 @@ fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Findi
     let (message, detail) = if seen.is_inverse {
         (
             format!("{}: {because}", stated.subject),
-            format!("As written, the origin of `{local}` would be under the south pole."),
+            format!(
+                "As written, the origin of `{local}` is near the south pole. Inverted, the origin is at latitude {latitude:.5}, longitude \
+                 {longitude:.5}."
+            ),
         )
     } else {
         (
@@ -115,15 +136,19 @@ fn wrong(stated: &EarthPose, seen: &EarthAttitude<'_>, limits: &Limits) -> Findi
     } else {
         Severity::Warning
     };
-    let [x, y, z, w] = expected(&seen.origin, is_ned);
-    let verb = if seen.is_inverse {
-        "invert the transform:"
+    let help = if seen.is_inverse {
+        let (t, rotation) = (seen.pose.translation, xyzw_in_words(&seen.pose.rotation, 9));
+        format!(
+            "invert the whole transform: publish `{earth}` -> `{local}` with the translation [{:.3}, {:.3}, {:.3}] m and the quaternion x y z w = \
+             {rotation}; or keep the numbers, and write `{local}` as the parent and `{earth}` as the child",
+            t.x, t.y, t.z
+        )
     } else {
-        "correct the rotation:"
+        let rotation = xyzw_in_words(&expected(&seen.origin, is_ned), 9);
+        format!(
+            "correct the rotation: `{earth}` -> `{local}` has the quaternion x y z w = {rotation} with the axes {axes}"
+        )
     };
-    let help = format!(
-        "{verb} `{earth}` -> `{local}` has the quaternion x y z w = [{x:.9}, {y:.9}, {z:.9}, {w:.9}] with the axes {axes}"
-    );
     let rotation = stated.rotation_place.as_ref().filter(|_| !seen.is_inverse);
     let place = rotation.unwrap_or(seen.place).clone();
     let mut finding = Finding::new(severity, &stated.subject, message, place)

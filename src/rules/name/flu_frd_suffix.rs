@@ -150,7 +150,7 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     };
     let mut finding = finding.confidence(pair.reading).measured(off).help(help);
     if let Some(relation) = relation {
-        finding = finding.detail(found(relation)).relation(relation.word());
+        finding = finding.detail(found(relation, other, frame)).relation(relation.word());
     }
     out.fail(finding);
 }

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::analysis::suffix::{found, known_turn, off_deg, place_of, relation_to, siblings};
 use crate::analysis::{names, promised::Axes};
+use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
@@ -59,7 +60,8 @@ fn judge_pair(
         .map(|expected| off_deg(*expected, &seen))
         .fold(f64::INFINITY, f64::min);
     let subject = format!("frame `{frame}`");
-    let off = Measured::new(format!("rotation from {}", axes.word()), deg, "deg")
+    let word = axes.word().to_uppercase();
+    let off = Measured::new(format!("rotation from {word} axes"), deg, "deg")
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
@@ -72,23 +74,33 @@ fn judge_pair(
     let is_down = axes == Axes::Ned;
     let up = if is_down { -Vector3::z() } else { Vector3::z() };
     let has_right_vertical = (seen * Vector3::z()).dot(&up) >= limits.max_deg.to_radians().cos();
-    let message = format!(
-        "`{frame}` is rotated {deg:.1} deg away from {} axes relative to `{sibling}`",
-        axes.word().to_uppercase(),
-    );
+    let (set, of_sibling) = match axes {
+        Axes::Ned if names::is_world(frame) => ("set rpy = (pi, 0, pi/2) on", "east-north-up"),
+        Axes::Ned => ("set rpy = (pi, 0, 0) on", "forward-left-up"),
+        Axes::Enu => ("remove the rotation of", "east-north-up"),
+        Axes::Nwu => ("set rpy = (0, 0, pi/2) on", "east-north-up"),
+    };
+    let message = format!("`{frame}` does not have {word} axes: {deg:.1} deg off, if `{sibling}` is {of_sibling}");
+    let renamed = match relation {
+        Some(Relation::FluFrd) if is_down => format!(
+            "; if forward-right-down is meant, rename `{frame}` to `{}`",
+            frame.as_str().replace("ned", "frd")
+        ),
+        _ => format!("; otherwise rename `{frame}`"),
+    };
     let finding = match relation {
         // A free heading with the right vertical may be a local grid, which may be intended.
         None if has_right_vertical => Finding::warning(subject, message, place).likely(),
         _ => Finding::error(subject, message, place),
     };
-    let finding = finding.measured(off).help(match axes {
-        Axes::Ned if names::is_world(frame) => "set rpy = (pi, 0, pi/2), north-east-down in an east-north-up frame, or rename the frame",
-        Axes::Ned => "set rpy = (pi, 0, 0), forward-right-down in a forward-left-up frame, or rename the frame",
-        Axes::Enu => "remove the rotation, since the frame without the suffix is east-north-up already (REP-103), or rename the frame",
-        Axes::Nwu => "set rpy = (0, 0, pi/2), north-west-up in an east-north-up frame, or rename the frame",
-    });
+    let help = format!(
+        "if {word} is meant, {set} `{sibling}` -> `{frame}`, since `{sibling}` is {of_sibling} (REP-103){renamed}"
+    );
+    let finding = finding.measured(off).help(help);
     out.fail(match relation {
-        Some(relation) => finding.detail(found(relation)).relation(relation.word()),
+        Some(relation) => finding
+            .detail(found(relation, sibling, frame))
+            .relation(relation.word()),
         None => finding,
     });
 }

@@ -77,25 +77,26 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &OrderMatch, limi
     };
     let unit = match found.unit {
         Unit::Right => "",
-        Unit::Degrees => " in degrees",
-        Unit::Radians => " in radians",
+        Unit::Degrees => " and in degrees",
+        Unit::Radians => " and in radians",
     };
     let relation = word(found);
     let message = if relation == "ypr" {
         format!(
-            "roll and yaw of {} are exchanged ({:.2} deg from {})",
-            angles.who, found.apart_deg, against.who
+            "{} and {} have roll and yaw exchanged ({:.2} deg apart)",
+            angles.who, against.who, found.apart_deg
         )
     } else {
         format!(
-            "Euler angles of {} are in another order than ROS's ({:.2} deg from {})",
-            angles.who, found.apart_deg, against.who
+            "Euler angles of {} match {} only in another order ({:.2} deg apart)",
+            angles.who, against.who, found.apart_deg
         )
     };
     let [roll, pitch, yaw] = found.rpy;
     let detail = format!(
-        "ROS reads roll {roll:.6}, pitch {pitch:.6}, yaw {yaw:.6} rad and composes {}. Composed as {}{unit}, the angles match {} to \
+        "Of {}, ROS reads roll {roll:.6}, pitch {pitch:.6}, yaw {yaw:.6} rad and composes {}. Composed as {}{unit}, the angles match {} to \
          {:.3} deg.{}",
+        angles.who,
         Order::ROS.product(),
         found.order.product(),
         against.who,
@@ -128,7 +129,7 @@ fn finding(world: &World, pair: &Pair, subject: String, found: &OrderMatch, limi
     let finding = Finding::error(subject, message, pair.other.place.clone());
     with_fix(
         finding,
-        "write the angles in the order that ROS reads",
+        &format!("make {} agree with {}, if the latter is right", angles.who, against.who),
         Safety::ChangesBehaviour,
         edits,
     )

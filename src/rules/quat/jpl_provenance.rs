@@ -18,25 +18,23 @@ impl Rule for JplProvenance {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
                 let what = format!("`{}`: quaternion", claim.label);
                 let (apart, directions) = readings(claim);
+                let by_mounting = if directions.is_empty() {
+                    ""
+                } else {
+                    "compare both readings with the mounting, or "
+                };
+                let step = format!("{by_mounting}look up the convention of the program version that wrote the numbers");
                 let doubt = format!("{doubt}.{directions}");
-                judge_one(
-                    world,
-                    (subject, what.as_str(), apart.as_str()),
-                    &doubt,
-                    &claim.place,
-                    out,
-                );
+                let words = (what.as_str(), apart.as_str(), step.as_str(), ["", ""]);
+                judge_one(world, subject, words, &doubt, &claim.place, out);
             }
         }
         for states in &world.jpl {
             let subject = format!("quaternions of {}", world.path(states.place.source));
-            judge_one(
-                world,
-                (subject, "quaternions", "inverse rotations"),
-                &format!("{}.", states.value),
-                &states.place,
-                out,
-            );
+            let writers = [" (written by a converter)", " (written by OpenVINS itself)"];
+            let step = "find out which program wrote the file";
+            let words = ("quaternions", "inverse rotations", step, writers);
+            judge_one(world, subject, words, &format!("{}.", states.value), &states.place, out);
         }
     }
 }
@@ -65,7 +63,14 @@ fn readings(claim: &Claim) -> (String, String) {
     (apart, directions)
 }
 
-fn judge_one(world: &World, (subject, what, apart): (String, &str, &str), doubt: &str, place: &Place, out: &mut Judge) {
+fn judge_one(
+    world: &World,
+    subject: String,
+    (what, apart, step, [hamilton, jpl]): (&str, &str, &str, [&str; 2]),
+    doubt: &str,
+    place: &Place,
+    out: &mut Judge,
+) {
     let count = |open: usize| Measured::count("possible conventions", open).limit(1.0);
     let file = Subject {
         file: world.path(place.source),
@@ -81,15 +86,15 @@ fn judge_one(world: &World, (subject, what, apart): (String, &str, &str), doubt:
     let message = format!("{what} may be Hamilton or JPL: the two readings are {apart}");
     let finding = Finding::note(subject, message, place.clone())
         .hint()
-        .label("Hamilton or JPL")
+        .label("read as Hamilton or as JPL?")
         .detail(format!(
-            "Why that is in doubt: {doubt} The same numbers are inverse rotations in the two conventions."
+            "Why that is in doubt: {doubt} The same numbers are inverse rotations in the two conventions. A comment in the file that names \
+             the convention may come from a template, not from the program that wrote the numbers."
         ))
         .help(format!(
-            "look up the convention in the program that wrote this file, or compare with the mounting, and declare the convention in \
-             frames-lint.yaml:\n\
-             (1) Hamilton: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]`\n\
-             (2) JPL: the same with `algebra: jpl`",
+            "{step}, and declare the convention in frames-lint.yaml:\n\
+             (1) Hamilton{hamilton}: `conventions: [{{file: {}, quaternion: {{algebra: hamilton}}}}]`\n\
+             (2) JPL{jpl}: the same with `algebra: jpl`",
             file.file
         ));
     out.fail(finding.measured(count(2)));

@@ -5,9 +5,12 @@ mod level;
 
 use std::collections::BTreeMap;
 
+use nalgebra::{Quaternion, UnitQuaternion};
+
 use crate::advice::tally::Tally;
 use crate::analysis::quat::level::Limits;
 use crate::analysis::quat::listed::{QuaternionList, Slot, said_by_key};
+use crate::math::rotation::rotation_angle_between;
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::world::{ClaimKind, Spelling, World};
@@ -67,24 +70,32 @@ fn judge_bare(world: &World, source: SourceId, listed: &[QuaternionList], right:
 }
 
 fn mixed(world: &World, odd: &QuaternionList, usual: &QuaternionList, first: usize, last: usize) -> Finding {
-    let message = format!(
-        "`{}` and `{}` are in different quaternion orders",
-        odd.claim.label, usual.claim.label
-    );
-    let (word, usual_order) = if odd.slot == Slot::First {
-        ("wxyz", "scalar last")
+    let (odd_name, usual_name) = (&odd.claim.label, &usual.claim.label);
+    let (word, odd_slot, usual_slot, key) = if odd.slot == Slot::First {
+        ("wxyz", "first", "last", "rotation_xyzw")
     } else {
-        ("xyzw", "scalar first")
+        ("xyzw", "last", "first", "rotation_wxyz")
     };
+    let message = format!("`{odd_name}` has the scalar w {odd_slot}, but `{usual_name}` has it {usual_slot}");
+    let [a, b, c, d] = odd.written;
+    let [w_last, w_first] =
+        [Quaternion::new(d, a, b, c), Quaternion::new(a, b, c, d)].map(UnitQuaternion::from_quaternion);
+    let apart = rotation_angle_between(&w_last, &w_first).to_degrees();
     let error = Finding::error(odd.subject(world), message, odd.place()).likely();
     finding(error.relation(word), first, last)
-        .related(usual.place(), usual_order)
+        .label(format!("w {odd_slot}"))
+        .related(usual.place(), format!("w {usual_slot}"))
         .detail(format!(
-            "{} and {}: one has the scalar w first, the other last.",
+            "{} of `{odd_name}` is a small rotation with w {odd_slot}; {} of `{usual_name}` is one with w {usual_slot}.",
             odd.text(),
             usual.text()
         ))
-        .help("write all quaternions of the file in one order, and name it in the key (x, y, z, w)")
+        .measured(Measured::new("rotation difference between the two orders", apart, "deg"))
+        .help(format!(
+            "check how the sensor of `{odd_name}` is mounted:\n\
+             (1) if it is mounted nearly without rotation, write its quaternion with w {usual_slot}, as the others\n\
+             (2) if it really is rotated by {apart:.0} deg, keep the numbers, and name their order in the key: `{key}`"
+        ))
 }
 
 fn scalar_first(world: &World, one: &QuaternionList, first: usize) -> Finding {

@@ -131,23 +131,31 @@ fn not_finite((subject, name): (String, String), what: &str, count: usize, place
 
 fn judge_edge(bag: &BagEvidence, edge: &TfEdge, right: &mut Tally, out: &mut Judge) {
     let subject = format!("`{}` from `{}` on {}", edge.parent, edge.child, edge.topic);
-    let kinds: [(&Faults, &str); 2] = [
-        (&edge.non_finite, "hold NaN or infinity"),
-        (&edge.zero_quaternion, "have a quaternion of all zeros"),
+    let kinds: [(&Faults, &str, &str); 2] = [
+        (
+            &edge.non_finite,
+            "NaN or infinity",
+            "correct the node that computes the transform, and do not publish a transform with a number that is not finite",
+        ),
+        (
+            &edge.zero_quaternion,
+            "all-zero quaternion",
+            "set the quaternion (x, y, z, w = 0, 0, 0, 1 for no rotation); if the rotation is not known yet, do not publish the transform",
+        ),
     ];
     let mut sound = true;
-    for (faults, what) in kinds {
+    for (faults, what, help) in kinds {
         let Some(example) = faults.examples.first() else {
             continue;
         };
         sound = false;
         let message = format!(
-            "{} of {} transforms {subject} {what}; tf2 drops them",
-            faults.count, edge.count
+            "`{}` -> `{}` on `{}`: {what} in {} of {} transforms; tf2 drops them",
+            edge.parent, edge.child, edge.topic, faults.count, edge.count
         );
         let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
             .label("first broken transform")
-            .help("check the node that computes the transform, and publish only once the rotation is known")
+            .help(help)
             .measured(
                 Measured::new("broken transforms", faults.count as f64, "count")
                     .limit(0.0)

@@ -6,11 +6,11 @@ mod records;
 
 use std::path::Path;
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
 use crate::analysis::{cross::pair::Statement, cross::statements::statements, suffix::axes_in_words};
-use crate::math::stats::rounded;
+use crate::math::{rotation::rpy_in_words, stats::rounded};
 use crate::rules::prelude::*;
 use crate::tables::{Dataset, DatasetFrame};
 use crate::world::{Claim, FrameId, NamedDataset, World};
@@ -147,19 +147,16 @@ fn judge_statement(
     } else {
         let found = nearest_word(&(rotation(&target.axes) * turn));
         let why = format!(
-            " The stated rotation gives `{source_frame}` about {}, if `{}` has {}. In {name} `{source_frame}` has {}.",
-            axes_in_words(&found),
+            " If `{}` has {}, the stated rotation means that `{source_frame}` has {} (to the nearest axes). In {name} `{source_frame}` \
+             has {}.",
             statement.target,
             axes_in_words(&target.axes.word),
+            axes_in_words(&found),
             axes_in_words(&source.axes.word)
         );
         ("axes", format!("is rotated from the {name} transform"), why)
     };
-    let expected = Isometry3::from_parts(
-        nalgebra::Translation3::identity(),
-        rotation(&target.axes).inverse() * rotation(&source.axes),
-    );
-    let (roll, pitch, yaw) = expected.rotation.euler_angles();
+    let expected = rotation(&target.axes).inverse() * rotation(&source.axes);
     let message = format!("`{}` -> `{source_frame}` {what} ({off:.0} deg off)", statement.target);
     let to_do = match relation {
         "quaternion-order" if is_row => "write the quaternion as w, x, y, z, to get a rotation of",
@@ -167,10 +164,11 @@ fn judge_statement(
         "inverse" => "transpose the rotation (the translation is not judged here), to get a rotation of",
         _ => "set the rotation to",
     };
-    let any_yaw = if target.any_yaw || source.any_yaw {
-        ", apart from the yaw of this sensor"
-    } else {
-        ""
+    let numbers = match <[f64; 4]>::from(expected.coords).map(|value| rounded(value, 4)) {
+        _ if target.any_yaw || source.any_yaw => ", apart from the yaw of this sensor".to_owned(),
+        [x, y, z, w] if is_row => format!(" (w, x, y, z = {w}, {x}, {y}, {z})"),
+        [x, y, z, w] if statement.is_bare_quaternion() => format!(" (x, y, z, w = {x}, {y}, {z}, {w})"),
+        _ => String::new(),
     };
     let entry = if is_row { "entry " } else { "" };
     let mut finding = Finding::error(subject, message, statement.place.clone())
@@ -182,21 +180,15 @@ fn judge_statement(
             statement.who, dataset.row.source
         ))
         .help(format!(
-            "{to_do} about RPY({:.0}, {:.0}, {:.0}) deg{any_yaw}; if the data are not of {name}, remove `dataset` from the configuration",
-            whole_degrees(roll),
-            whole_degrees(pitch),
-            whole_degrees(yaw)
+            "{to_do} about {}{numbers}; if the data are not of {name}, or were converted to other axes, remove `dataset` from the \
+             configuration",
+            rpy_in_words(&expected)
         ))
         .measured(measured);
     if let Some(place) = &dataset.place {
         finding = finding.related(place.clone(), "named here");
     }
     out.fail(finding);
-}
-
-/// An angle in whole degrees.
-fn whole_degrees(angle_rad: f64) -> f64 {
-    rounded(angle_rad.to_degrees(), 0)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use nalgebra::Isometry3;
 use crate::analysis::landmarks::{Grid, Maps, maps};
 use crate::analysis::sensor::lidar_turn::{Edge, Origin};
 use crate::analysis::{hand_eye::half_turn, lidar::Clouds, ouster, ouster::Axes, sensor::lidar_turn};
+use crate::math::rotation::xyzw_in_words;
 use crate::rules::{prelude::*, sensor::extrinsic_z180_double::twice_applied::Limits};
 use crate::world::FrameId;
 
@@ -139,7 +140,7 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
         format!(
-            "size of the map (the sharper, the smaller), lidar rotated by 180 deg / as mounted, {:.0} m driven",
+            "cells of the map (fewer: sharper) with the lidar rotated by 180 deg / as mounted, {:.0} m driven",
             maps.way_m
         ),
         ratio,
@@ -201,7 +202,6 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTes
         .detail(format!("{what}{or}."));
     if let Some(edge) = mounting.or(edges.first()) {
         let right = edge.pose * half_turn();
-        let q = right.rotation.coords;
         let or = if other.is_empty() {
             String::new()
         } else {
@@ -210,8 +210,11 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTes
             )
         };
         finding = finding.help(format!(
-            "rotate `{}` -> `{}` by 180 deg about z of `{}`: quaternion x y z w = [{:.6}, {:.6}, {:.6}, {:.6}], same translation{or}",
-            edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
+            "replace the rotation of `{}` -> `{}` by x y z w = {} (rotated by 180 deg about z of `{}`), and keep the translation{or}",
+            edge.parent,
+            edge.child,
+            xyzw_in_words(&right.rotation, 6),
+            edge.child
         ));
         let mut known = world.graph().edges_to(&edge.child);
         let stated = known.find(|known| known.parent == edge.parent);

@@ -44,11 +44,8 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
                 );
                 return out.too_little(subject, why);
             }
-            let measured = Measured::new(
-                "angle between the mean acceleration and z of the world",
-                angle.to_degrees(),
-                "deg",
-            );
+            let what = "angle between the mean acceleration and z of the world";
+            let measured = Measured::new(what, angle.to_degrees(), "deg");
             out.pass(subject, [measured.limit(limits.max_tilt_deg)]);
         }
         Ok(angle) => {
@@ -80,12 +77,14 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
         let why = format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains");
         return out.not_applicable(subject, why);
     };
-    let (compared, track) = match &sensor.heading {
-        Ok(heading) => (
-            format!("Compared with the course of {}. ", heading.track),
-            Some(&heading.track_at),
+    let heading = sensor.heading.as_ref().ok();
+    let compared = heading.map_or_else(String::new, |by| format!("Compared with the course of {}. ", by.track));
+    let state = match &imu.mount {
+        Some(mount) if mount.is_base => format!(
+            "publish the messages in a frame of the sensor (such as `imu_link`), and that frame as a child of `{}` with that yaw",
+            mount.base
         ),
-        Err(_) => (String::new(), None),
+        _ => "add that yaw to the sensor's transform (TF or URDF)".to_owned(),
     };
     let message = format!(
         "`{}`: yaw minus course is {offset:.0} deg, probably by a driver setting ({})",
@@ -101,15 +100,13 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
             imu.mounting()
         ))
         .help(format!(
-            "correct the driver, or the mounting:\n(1) {}\n(2) if the driver is set like this, and the sensor is mounted with this yaw, state \
-             a yaw of {offset:+.0} deg in the sensor's transform (TF or URDF)",
+            "correct the driver, or the mounting:\n(1) {}\n(2) if (1) is done already, and the mounting of the sensor has a yaw of {offset:+.0} deg, {state}",
             known.setting
         ))
         .measured(measured);
-    let finding = match track {
-        Some(place) => finding.related(place.clone(), "compared with this track"),
-        None => finding,
-    };
+    let finding = heading.into_iter().fold(finding, |finding, by| {
+        finding.related(by.track_at.clone(), "compared with this track")
+    });
     out.fail(imu.stream.expressed_in.annotate(finding));
 }
 

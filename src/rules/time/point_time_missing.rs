@@ -70,13 +70,16 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     };
     let Some(fastest) = PeakMotion::of(motion, limits) else {
         let message = format!(
-            "`{}`: the points {what}; motion smears a scan of {period_s:.2} s",
+            "`{}`: the points {what}; a scan of {period_s:.2} s is smeared if the platform moves",
             clouds.topic.topic
         );
         let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place())
             .hint()
-            .detail("Nothing in the recording shows how fast the platform moves. Without the times of the points, the smear cannot be corrected.");
-        let measured = [Measured::new("duration of a scan", period_s, "s").limit(limits.max_period_s)];
+            .detail(format!(
+                "Nothing in the recording shows how fast the platform moves: the smear is {period_s:.2} m for each m/s. Without the times of \
+                 the points, the smear cannot be corrected."
+            ));
+        let measured = [Measured::new("duration of a scan", period_s, "s")];
         return out.fail(named(finding, clouds, most.is_some()).measured(measured));
     };
     let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;

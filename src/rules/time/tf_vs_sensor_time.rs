@@ -121,14 +121,17 @@ fn off(stream: &Stream<'_>, of: &str, measured: Measured) -> Finding {
     let (way, detail, help) = if lead_s > 0.0 {
         (
             "ahead of",
-            "tf2 look-ups at these times return poses that are not known yet.",
-            "stamp the transform with the time of the estimate; keep `transform_tolerance` of a localisation at 1 s or less",
+            "tf2 answers a look-up for the present with an estimate that is as old as that.",
+            "correct the cause that applies:\n(1) the clock of the computer that publishes the transform is ahead: synchronise the clocks (chrony, PTP)\n\
+             (2) the node adds time to the stamp (`transform_tolerance` of AMCL, `transform_time_offset` of robot_localization): set the option to 1 s or \
+             less\n(3) otherwise stamp the transform with the time of the estimate",
         )
     } else {
         (
             "behind",
             "tf2 look-ups at the stamps of the sensors wait that long, or fail.",
-            "stamp the transform with the time of the estimate, and publish the transform without delay",
+            "correct the cause that applies:\n(1) the clock of the computer that publishes the transform is behind: synchronise the clocks (chrony, PTP)\n\
+             (2) otherwise stamp the transform with the time of the estimate, and publish the transform without delay",
         )
     };
     let message = format!("{}: stamps are {:.2} s {way} {of}", named(stream), lead_s.abs());

@@ -151,21 +151,22 @@ fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], l
         largest(|jump| jump.m),
         largest(|jump| jump.deg),
     );
+    let keep = format!(
+        "keep short-lived data (obstacles, tracks, local plans) in `{child}`, which does not jump; at each jump, clear, recompute or transform the \
+         data that stay in `{parent}`"
+    );
     let finding = if asked {
         Finding::note(subject, message, first)
             .detail(format!("A message on `initialpose` came just before each jump. {list}"))
             .help("do nothing if an operator set the initial pose; otherwise stop the node that publishes on `initialpose`")
     } else if keepers.is_empty() {
-        Finding::note(subject, message, first).detail(list).help(format!(
-            "drop or move data that are kept in `{parent}` at each jump (REP-105 allows a localizer to jump)"
-        ))
+        let help = format!("{keep} (REP-105 allows a localizer to jump)");
+        Finding::note(subject, message, first).detail(list).help(help)
     } else {
         let verb = if keepers.len() == 1 { "is" } else { "are" };
         let detail = format!("{} {verb} expressed in `{parent}`. {list}", keepers.join(", "));
-        Finding::warning(subject, message, first).detail(detail).help(format!(
-            "keep running data in `{child}`, or drop or move data in `{parent}` at each jump; \
-             check the localizer if the jump is not a loop closure"
-        ))
+        let help = format!("{keep}; check the localizer if a jump is not a loop closure");
+        Finding::warning(subject, message, first).detail(detail).help(help)
     };
     let others = jumps
         .iter()

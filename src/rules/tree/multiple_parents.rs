@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::places::{self, published_reading};
-use crate::analysis::{tf, tree::loops::loops};
+use crate::analysis::{names, names::Standard, tf, tree::loops::loops};
 use crate::rules::prelude::*;
 use crate::world::graph::FrameGraph;
 use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
@@ -72,9 +72,7 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             .confidence(published_reading(world, edge))
             .confidence(published_reading(world, other))
             .label(format!("makes `{}` the parent of `{child}`", edge.parent))
-            .help(
-                "remove one of the two transforms, or publish the transform to the root of the other tree: a frame has one parent",
-            )
+            .help(one_parent(child, &edge.parent, &other.parent))
             .measured(Measured::count("parents", 2).limit(1.0));
         if let Some(place) = places::of_edge(world, other) {
             finding = finding.related(place, format!("makes `{}` the parent of `{child}`", other.parent));
@@ -93,6 +91,23 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
         let judged = published().count() as u64;
         out.pass(format!("published by {}", world.path(file)), [several.samples(judged)]);
     }
+}
+
+/// How a frame that two transforms place keeps one parent, and both of these stay connected.
+fn one_parent(child: &FrameId, a: &FrameId, b: &FrameId) -> String {
+    use Standard::{Base, Map, Odom};
+    let kind = |frame: &FrameId| names::standard(frame).map(|(_, kind)| kind);
+    let (map, odom) = match [a, b, child].map(kind) {
+        [Some(Map), Some(Odom), Some(Base)] => (a, b),
+        [Some(Odom), Some(Map), Some(Base)] => (b, a),
+        _ => {
+            return format!(
+                "remove one of the two transforms (a frame has one parent); to connect `{a}` and `{b}` with each other, publish a transform \
+                 between these two"
+            );
+        }
+    };
+    format!("keep `{odom}` -> `{child}`, and publish `{map}` -> `{odom}` instead of `{map}` -> `{child}` (REP-105)")
 }
 
 fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
@@ -131,7 +146,9 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
         let mut finding = Finding::error(format!("frame `{child}`"), message, end(second))
             .label("second joint with this child")
             .detail(detail)
-            .help("delete the joint that does not describe the real mounting, or give it a link of its own")
+            .help(
+                "delete the joint that does not describe the real mounting, or give that joint a child link of its own",
+            )
             .measured(Measured::count("joints with this child", joints.len()).limit(1.0))
             .related(end(first), "first joint with this child");
         for joint in rest {
@@ -220,7 +237,7 @@ fn judge_child(
                 "Two broadcasters publish the frame. tf2 stores transforms by child, and does not interpolate across a \
                  change of parent.",
             )
-            .help("stop the second broadcaster (often a driver and a filter both publish odometry)")
+            .help("stop the broadcaster of the wrong parent (often a driver and a filter both publish odometry)")
     } else {
         let times = if switches == 1 {
             "once".to_owned()
@@ -229,7 +246,8 @@ fn judge_child(
         };
         let message = format!("`{child}` changes its parent {times} in TF ({listed})");
         Finding::note(subject, message, place).help(format!(
-            "check that `{child}` is handed over on purpose; look-ups across the change return the older parent"
+            "check that `{child}` is handed over on purpose; between the last transform with the old parent and the first with the new one, tf2 \
+             does not interpolate, but holds the last pose on the old parent"
         ))
     };
     let mut finding = finding.measured(Measured::count("parents", parents.len()).limit(1.0));

@@ -94,7 +94,6 @@ fn judge_recorded(world: &World, out: &mut Judge) {
         return out.too_little("recorded frame tree", why);
     }
     // Of recorded trees, the platform's own is the main one.
-    let is_standard = |component: &Component| component.members.iter().any(|frame| names::standard(frame).is_some());
     let main = components
         .iter()
         .position(is_standard)
@@ -210,7 +209,12 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, around: &Su
     });
 }
 
-/// The component with most sensor frames in message headers, then most frames.
+/// Whether a frame of the component has a name of REP-105.
+fn is_standard(component: &Component) -> bool {
+    component.members.iter().any(|frame| names::standard(frame).is_some())
+}
+
+/// The component with most sensor frames in message headers, then most frames, then names of REP-105.
 fn main_component(world: &World, components: &[Component]) -> usize {
     let home: BTreeMap<&FrameId, usize> = components
         .iter()
@@ -227,6 +231,14 @@ fn main_component(world: &World, components: &[Component]) -> usize {
     components
         .iter()
         .enumerate()
-        .max_by_key(|(index, component)| (sensors(index), component.members.len(), std::cmp::Reverse(*index)))
+        .max_by_key(|(index, component)| {
+            let members = component.members.len();
+            (
+                sensors(index),
+                members,
+                is_standard(component),
+                std::cmp::Reverse(*index),
+            )
+        })
         .map_or(0, |(index, _)| index)
 }

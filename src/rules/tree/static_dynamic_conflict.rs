@@ -1,8 +1,8 @@
 //! TREE05: transforms published both on `/tf_static` and on `/tf`, and transforms on `/tf` that never change.
 
 use crate::analysis::relate::{Difference, PoseTolerance};
+use crate::analysis::tree::latched::explanation;
 use crate::analysis::{names, tf};
-use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, World, bag::TfEdge, robot::Joint};
 
@@ -69,18 +69,17 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let difference = pose(fixed)
         .zip(pose(moving))
         .map(|(fixed, moving)| Difference::between(&fixed, &moving, same));
-    let how = difference.as_ref().map_or("", |difference| difference.words.as_str());
+    let words = difference.as_ref().map_or("", |one| one.words.as_str());
+    let how = words.split(" (").next().unwrap_or(words);
     let mut finding = Finding::error(format!("frame `{child}`"), format!("{what}{how}"), Place::message(bag.source, at))
         .label("first on the moving topic")
         .help(format!(
-            "publish `{child}` on only one of the two: tf2 erases the history of a frame that changes between latched and moving"
+            "publish `{child}` only on `{one}` (only on `{other}` if `{child}` moves), with the value that fits the mounting: tf2 erases the history of a frame that changes between the two topics"
         ))
         .measured(Measured::count("kinds of topic", 2).limit(1.0))
         .related(Place::message(bag.source, until), "first on the latched topic");
     if let Some(difference) = difference {
-        if let Some(relation) = difference.relation.and_then(Relation::from_word) {
-            finding = finding.detail(relation.describe());
-        }
+        finding = finding.detail(explanation(&difference).trim_start());
         finding.measured.extend(difference.measured);
         finding.relation = difference.relation.map(str::to_owned);
     }

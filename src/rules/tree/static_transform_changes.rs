@@ -86,7 +86,7 @@ fn within(
     let mut finding = Finding::new(severity, subject, message, Place::message(bag.source, other.at.clone()))
         .label("the second value")
         .detail(detail)
-        .help("compare both values with the mounting, and publish only the right one; publish a frame that moves on `/tf`")
+        .help("compare both values with the mounting, and publish only the right one; if the frame moves, publish its transform on `/tf`")
         .related(Place::message(bag.source, first.at.clone()), "the first value");
     finding.measured = difference
         .measured

@@ -66,12 +66,25 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         return;
     };
     let last = format!("`{}` -> `{}`", first.parent, first.child);
-    let help = match at.as_slice() {
-        [(other, _)] => format!(
+    let joint = |edge: &Edge| {
+        let claim = edge.claim(world).filter(|_| !edge.is_published())?;
+        Some(format!("`{}` (now `{}`)", claim.label, edge.parent))
+    };
+    let all = std::iter::once(first).chain(at.iter().map(|(edge, _)| *edge));
+    let joints: Option<Vec<String>> = all.map(|edge| joint(edge)).collect();
+    let help = match (joints, at.as_slice()) {
+        // Without one of the joints the robot would have two roots.
+        (Some(joints), _) => format!(
+            "correct the parent of the wrong joint, so that all links lead to the root of the robot: {}",
+            joints.join(" or ")
+        ),
+        (None, [(other, _)]) => format!(
             "remove {last} if `{0}` -> `{1}` is right; otherwise remove `{0}` -> `{1}`",
             other.parent, other.child
         ),
-        _ => format!("remove {last}; if {last} is right, remove the wrong one of the other transforms of the loop"),
+        (None, _) => {
+            format!("remove {last}; if {last} is right, remove the wrong one of the other transforms of the loop")
+        }
     };
     let mut finding = Finding::error(subject, message, place)
         .label(format!("makes `{}` the parent of `{}`", first.parent, first.child))

@@ -40,7 +40,8 @@ impl Rule for MissingMimic {
                 mimics += 1;
                 let (name, of) = (&joint.name.value, &mimic.value);
                 let found = joints.get(of.as_str()).copied().unwrap_or(0);
-                let measured = Measured::count("joints with the mimicked name", found);
+                let others = found.saturating_sub(usize::from(name == of));
+                let measured = Measured::count("other joints with the mimicked name", others);
                 let message = if found == 0 {
                     format!("joint `{name}` mimics joint `{of}`, which does not exist")
                 } else if name == of {

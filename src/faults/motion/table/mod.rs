@@ -11,7 +11,7 @@ use crate::faults::Fault;
 const MIRRORED: &str = "the track that the IMU is compared with is mirrored";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "the position or the orientation of the pose may be wrong";
+const POSITION: &str = "the position or the orientation of the pose is wrong";
 /// What a finding on two orientations says of axes of the body.
 const CONSTANT: &str = "is constant in the axes of the body";
 

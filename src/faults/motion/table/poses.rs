@@ -139,7 +139,7 @@ pub(super) static FAULTS: &[Fault] = &[
         Orientation,
         compass_yaw,
         ["compass-yaw", "clockwise-yaw", "inverse"],
-        ["grows clockwise", "increase clockwise", "increases clockwise"],
+        ["grows clockwise", "increases clockwise"],
         ["SENSOR08", "AXES08 turning", "AXES13"],
         WITH_TWIST
     ),

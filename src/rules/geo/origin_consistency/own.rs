@@ -82,11 +82,24 @@ fn judge_first_fix(origin: &LocalOrigin, fixes: &Stream<FixRow>, limits: &Limits
         return out.missing(subject, "no message has a fix (status >= 0)");
     };
     let distance_m = origin.at.enu_of(&place).xy().norm();
-    let measured =
-        Measured::new("horizontal distance of the origin from the first fix", distance_m, "m").limit(limits.copied_m);
-    if distance_m > limits.copied_m || first.row.status >= CORRECTED {
+    let what = "horizontal distance of the origin from the first fix (smaller: copied)";
+    let distance = Measured::new(what, distance_m, "m");
+    let is_copied = distance_m <= limits.copied_m;
+    if is_copied && first.row.status >= CORRECTED {
+        return out.pass(subject, [distance]);
+    }
+    let measured = distance.at_least(limits.copied_m);
+    if !is_copied {
         return out.pass(subject, [measured]);
     }
+    let sd_m = first.row.horizontal_sd_m();
+    let stated = sd_m.map(|sd_m| {
+        Measured::new(
+            "horizontal standard deviation of the first fix, by its covariance",
+            sd_m,
+            "m",
+        )
+    });
     let better = valid().find(|timed| timed.row.status >= CORRECTED);
     let message = format!(
         "{}: origin is the first fix of {}, without corrections (status {})",
@@ -112,8 +125,9 @@ fn judge_first_fix(origin: &LocalOrigin, fixes: &Stream<FixRow>, limits: &Limits
             .relation("first-fix")
             .detail(detail)
             .related(fixes.place(), "the fixes")
-            .help("set the origin from a surveyed point or a fix with corrections, and save it with the map")
-            .measured(measured),
+            .help("set the origin from a surveyed point or a fix with corrections, and save the origin with the map")
+            .measured(measured)
+            .measured(stated),
     );
 }
 
@@ -124,9 +138,9 @@ pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
         return None;
     }
-    let message = "the map is expressed in east and north, but nothing states where its origin is";
+    let message = "the axes of the map are east and north, but nothing states the latitude and longitude of its origin";
     let detail = format!(
-        "{} puts the origin at {}, within {:.1} m.",
+        "By {}, the origin of the map is at {}, within {:.1} m.",
         track.who,
         position_text(track),
         track.within_m
@@ -135,6 +149,8 @@ pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     let finding = finding
         .relation("missing")
         .detail(detail)
-        .help("record the transform from `earth` to the map or the topic of the origin, or keep the file of the origin with the recording");
-    Some(finding.measured(Measured::new("rotation from east", turned_deg, "deg").limit(limits.aligned_deg)))
+        .help("record the transform from `earth` to the map, or a topic with the origin (such as `/gps/origin`), or keep the file that states the origin with the recording");
+    Some(finding.measured(
+        Measured::new("rotation of the x axis of the map from east", turned_deg, "deg").limit(limits.aligned_deg),
+    ))
 }

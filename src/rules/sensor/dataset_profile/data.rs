@@ -117,7 +117,7 @@ fn judge_cloud(
         return out.pass(subject, [Measured::new(what, off, "deg").limit(45.0)]);
     }
     let message = format!(
-        "`{}`: {word} points up by the ground, {off:.0} deg from up in the axes of {}",
+        "`{}`: the ground shows that {word} points up, {off:.0} deg from up in the axes of {}",
         clouds.topic.topic, dataset.row.name
     );
     let finding = Finding::warning(subject, message, clouds.place())

@@ -59,7 +59,9 @@ pub(crate) fn judge_across(world: &World, across: &FirstValues, limits: &Limits,
         );
         let help = match difference.relation {
             Some("ypr") => {
-                "correct the recording whose angles are in the wrong order: static_transform_publisher takes yaw, pitch, roll"
+                "compare roll, pitch and yaw of both values with the mounting; then correct the order of the angles where the wrong value is \
+                 published (static_transform_publisher takes yaw, pitch, roll if the numbers have no names), and replace the transform in the \
+                 recording with the wrong value"
             }
             Some(_) => "compare both values with the mounting, and publish the right one on every drive",
             None => {
