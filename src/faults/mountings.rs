@@ -317,11 +317,11 @@ const UP: [&str; 6] = ["AXES10", "AXES01", "AXES09", "AXES11", "CAMERA05", "CROS
 /// The rules that see which way a sensor looks.
 const FORWARD: [&str; 6] = ["AXES12", "CROSS05", "AXES06", "AXES15", "CAMERA05", "CROSS02"];
 /// The rules that see where a sensor is.
-const PLACE: [&str; 4] = ["AXES09", "CROSS05", "ROT07", "CROSS02"];
+const PLACE: [&str; 5] = ["AXES09", "CROSS05", "GEO08", "ROT07", "CROSS02"];
 
 const GROUND: &str = "flat ground in view (lidars), or a calibration file that states the transform independently of the robot's description (any sensor)";
-const HEIGHT: &str = "flat ground in view, and base_footprint on the ground in /tf_static or the URDF (lidars), or a calibration file that states the transform independently of the robot's description (any sensor)";
-const DRIVE: &str = "30 s of driving with turns, with this sensor and odometry (lidars, IMUs), or a calibration file that states the transform independently of the robot's description (any sensor)";
+const HEIGHT: &str = "flat ground in view, and base_footprint on the ground in /tf_static or the URDF (lidars), left and right turns with odometry at changing speed (RTK receivers), or a calibration file that states the transform independently of the robot's description (any sensor)";
+const DRIVE: &str = "30 s of driving with turns, with this sensor and odometry (lidars, IMUs, RTK receivers), or a calibration file that states the transform independently of the robot's description (any sensor)";
 const SECOND: &str = "a calibration file that states the transform independently of the robot's description";
 
 /// Every mistake of this kind.
@@ -332,7 +332,7 @@ pub(super) static FAULTS: &[Fault] = &[
         "The mounting of a sensor is inverted: the base in the sensor is published as the sensor in the base.",
         ["inverse", "z-sign"],
         ["it is inverted: its inverse", "or it is inverted"],
-        ["CROSS04", "AXES09", "CROSS05", "AXES10", "AXES01", "CROSS02"],
+        ["CROSS04", "AXES09", "CROSS05", "AXES10", "AXES01", "GEO08", "CROSS02"],
         DRIVE
     ),
     mounting!(

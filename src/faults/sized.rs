@@ -94,7 +94,7 @@ const YAWED: Seers = Seers(&[
     "ROT10",
 ]);
 /// The rules that see where a sensor is.
-const PLACED: Seers = Seers(&["CROSS05 place", "CROSS01", "CROSS02"]);
+const PLACED: Seers = Seers(&["CROSS05 place", "GEO08", "CROSS01", "CROSS02"]);
 /// The rules that see at which height a sensor is.
 const RAISED: Seers = Seers(&["AXES09 ground", "CROSS05 place", "CROSS01", "CROSS02"]);
 

@@ -83,6 +83,7 @@ macro_rules! registry {
                 GEO05 => tangent_plane_range::TangentPlaneRange,
                 GEO06 => altitude_datum::AltitudeDatum,
                 GEO07 => origin_consistency::OriginConsistency as across,
+                GEO08 => antenna_mounting::AntennaMounting,
             }
             #[doc = "TIME: stamps, clocks and their offsets."]
             time {

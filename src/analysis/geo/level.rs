@@ -2,7 +2,7 @@
 //!
 //! Must not judge.
 
-use nalgebra::{Isometry3, Rotation3};
+use nalgebra::{Isometry3, Rotation3, UnitQuaternion};
 use serde::Deserialize;
 
 use crate::analysis::geo::earth::EarthPose;
@@ -17,8 +17,12 @@ pub(crate) struct EarthAttitude<'s> {
     pub(crate) origin: Geodetic,
     /// `earth_from_local` with the axes east, north, up: those of a frame called NED are exchanged.
     pub(crate) rotation: Rotation3<f64>,
+    /// `earth_from_local`; inverted where the stated transform is the inverse.
+    pub(crate) pose: Isometry3<f64>,
     /// The angle between its z axis and up.
     pub(crate) tilt_deg: f64,
+    /// The same angle of the transform as it is written.
+    pub(crate) written_tilt_deg: f64,
     /// The angle of its x axis from east towards north.
     pub(crate) yaw_deg: f64,
     /// Whether the stated transform is the inverse.
@@ -32,18 +36,26 @@ pub(crate) fn see<'s>(
     pose: &Isometry3<f64>,
     limits: &Limits,
 ) -> Option<EarthAttitude<'s>> {
-    let of = |pose: &Isometry3<f64>, is_inverse| {
+    let attitude = |pose: &Isometry3<f64>| {
         let origin = Geodetic::from_ecef(&pose.translation.vector)?;
         let mut rotation = pose.rotation.to_rotation_matrix();
         if stated.local.has_token("ned") {
             rotation *= ned_enu();
         }
-        let seen = beside(&origin, &rotation);
+        Some((origin, rotation, beside(&origin, &rotation)))
+    };
+    let written = attitude(pose);
+    let of = |pose: &Isometry3<f64>, is_inverse| {
+        let (origin, rotation, seen) = attitude(pose)?;
         (origin.height_m.abs() <= limits.max_height_m).then(|| EarthAttitude {
             place,
             origin,
             rotation,
+            pose: *pose,
             tilt_deg: seen.tilt_rad.to_degrees(),
+            written_tilt_deg: written
+                .as_ref()
+                .map_or(f64::NAN, |(.., seen)| seen.tilt_rad.to_degrees()),
             yaw_deg: seen.yaw_rad.to_degrees(),
             is_inverse,
         })
@@ -56,11 +68,11 @@ pub(crate) fn see<'s>(
     inverse.or_else(|| of(pose, false))
 }
 
-/// The correct `earth_from_local`, `[x, y, z, w]`.
-pub(crate) fn expected(origin: &Geodetic, is_ned: bool) -> [f64; 4] {
+/// The correct rotation of `earth_from_local`.
+pub(crate) fn expected(origin: &Geodetic, is_ned: bool) -> UnitQuaternion<f64> {
     let enu = origin.enu_from_ecef().inverse();
     let rotation = if is_ned { enu * ned_enu() } else { enu };
-    nalgebra::UnitQuaternion::from_rotation_matrix(&rotation).coords.into()
+    UnitQuaternion::from_rotation_matrix(&rotation)
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,5 +1,6 @@
 //! Positions on the Earth.
 
+pub(crate) mod antenna;
 pub(crate) mod apart;
 pub(crate) mod columns;
 pub(crate) mod curvature;

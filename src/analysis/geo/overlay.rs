@@ -2,7 +2,7 @@
 //!
 //! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::motion::{Stream, Track};
 use crate::analysis::names;
@@ -45,7 +45,8 @@ pub(crate) struct Overlay {
 impl Overlay {
     /// Pairs poses with fixes; `None` where there are fewer than two pairs.
     pub(crate) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
-        let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
+        let arm = body_from_antenna(world, poses, fixes).map(|mounting| mounting.translation.vector);
+        let arm = arm.filter(|arm| *arm != Vector3::zeros());
         let track = arm.map_or_else(|| poses.track(), |arm| moved(poses, arm).track());
         let by_arrival = Self::at(&track, fixes, 0.0);
         // Streams are paired by their arrival. A receiver's messages come late, by what their stamps say if these are of the poses'
@@ -154,14 +155,18 @@ pub(crate) fn geodetic(fix: &FixRow) -> Option<Geodetic> {
     Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m)
 }
 
-/// The antenna in the axes of the body that the poses are of, metres.
-fn arm(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Vector3<f64>> {
+/// The mounting of the antenna on the body that the poses are of: `body_from_antenna`, as URDF and static TF state it.
+pub(crate) fn body_from_antenna(
+    world: &World,
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
+) -> Option<Isometry3<f64>> {
     let (body, antenna) = (poses.child.as_ref()?, fixes.frame.as_ref()?);
     if body == antenna {
-        return Some(Vector3::zeros());
+        return Some(Isometry3::identity());
     }
     let (body_from_antenna, _) = world.graph().chain(body, antenna, |edge| edge.is_rigid)?;
-    Some(body_from_antenna.translation.vector)
+    Some(body_from_antenna)
 }
 
 fn moved(poses: &Stream<PoseRow>, arm: Vector3<f64>) -> Stream<PoseRow> {

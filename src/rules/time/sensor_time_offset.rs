@@ -2,6 +2,7 @@
 
 use crate::advice::together::report_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::geo::antenna::{self, AntennaEstimate};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::scan_motion::ScanMotion;
@@ -13,6 +14,9 @@ use crate::verdict::Plot;
 use crate::verdict::plot::{Axis, Series};
 
 pub(crate) struct SensorTimeOffset;
+
+/// Largest standard error of a delay that replaces the one by the course, seconds.
+const MAX_DELAY_ERROR_S: f64 = 0.03;
 
 impl Rule for SensorTimeOffset {
     const NEEDS: &'static [Need] = &[Need::Bag];
@@ -77,6 +81,7 @@ fn judge_bag(
             Err(NoOffset::Varies(why)) => out.too_little(subject, why),
             Ok(offset) => {
                 out.plot(&subject, || Some(plot(first, second, &offset)));
+                let offset = without_arm(world, motion, [first, second], offset);
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
                 let (size_s, give_s) = (offset.in_stamps_s.abs(), limits.sigmas * offset.sigma_s);
@@ -110,6 +115,34 @@ fn judge_bag(
     }
     for together in [later, sooner] {
         report_once(together, "are off by the same amount", out);
+    }
+}
+
+/// The offset without what the distance of an antenna from the body adds: ahead of it, its course turns earlier.
+fn without_arm(world: &Estimates, motion: &BagMotion, pair: [&Signal; 2], offset: Offset) -> Offset {
+    let limits = world.limits::<antenna::Limits>();
+    let fixes = pair.map(|signal| {
+        let mut all = motion.fixes.iter().filter(|_| signal.kind == Kind::Fix);
+        all.find(|fixes| fixes.subject == signal.stream)
+    });
+    let (fixes, sign) = match fixes {
+        [None, Some(fixes)] => (fixes, 1.0),
+        [Some(fixes), None] => (fixes, -1.0),
+        _ => return offset,
+    };
+    let best = AntennaEstimate::best(motion.ways().map(|poses| (poses, ())), fixes, &limits);
+    let Some((late_s, error_s)) = best
+        .map(|(.., found)| found.late_s)
+        .filter(|(_, error_s)| *error_s <= MAX_DELAY_ERROR_S)
+    else {
+        return offset;
+    };
+    let by_arm_s = offset.in_log_s - sign * late_s;
+    Offset {
+        in_log_s: offset.in_log_s - by_arm_s,
+        in_stamps_s: offset.in_stamps_s - by_arm_s,
+        sigma_s: offset.sigma_s.max(error_s),
+        ..offset
     }
 }
 

@@ -1,0 +1,177 @@
+//! GEO08: the mounting transform of a GNSS antenna, compared with how the fixes move while the platform turns.
+
+use nalgebra::{Isometry3, Vector2};
+
+use crate::analysis::geo::antenna::{AntennaEstimate, Limits};
+use crate::analysis::geo::overlay::body_from_antenna;
+use crate::analysis::motion::{BagMotion, Motion, Stream};
+use crate::analysis::{names, names::Standard};
+use crate::rules::prelude::*;
+use crate::world::World;
+use crate::world::motion::{FixRow, PoseRow};
+
+pub(crate) struct AntennaMounting;
+
+impl Rule for AntennaMounting {
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        for bag in &Motion::of(world).bags {
+            for fixes in &bag.fixes {
+                judge_fixes(world, bag, fixes, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("antenna of {}", fixes.subject);
+    let placed = || {
+        bag.ways()
+            .filter_map(|poses| Some((poses, body_from_antenna(world, poses, fixes)?)))
+    };
+    if placed().next().is_none() {
+        let why = format!(
+            "no transform connects {} of the fixes with the child frame of recorded poses",
+            fixes.frame_name()
+        );
+        return out.missing(subject, why);
+    }
+    let is_of_fixes = |poses: &Stream<PoseRow>| {
+        let kind = poses.frame.as_ref().and_then(|frame| names::standard(frame));
+        matches!(kind, Some((_, Standard::Map | Standard::Earth)))
+    };
+    let odometry = placed().filter(|(poses, _)| !is_of_fixes(poses));
+    let best =
+        AntennaEstimate::best(odometry, fixes, limits).or_else(|| AntennaEstimate::best(placed(), fixes, limits));
+    let Some((poses, stated, antenna)) = best else {
+        let why = format!(
+            "no poses turn with the fixes in {} windows, and move as they do: record left and right turns, with changes of speed",
+            limits.min_windows
+        );
+        return out.too_little(subject, why);
+    };
+    let place = stated.translation.vector.xy();
+    let off = antenna.place_m - place;
+    let error = limits.sigmas * antenna.error_m;
+    let (body, frame) = (poses.child_name(), fixes.frame_name());
+    let is_off = off.zip_map(&error, |off, error| off.abs() > limits.max_off_m.max(error));
+    let measured = measured(&antenna, place, &body);
+    if !(is_off.x || is_off.y) {
+        if error.max() > limits.max_off_m {
+            let why = format!(
+                "the fixes show the antenna in {body} only to +-{:.1} m along x and +-{:.1} m along y, {} m are needed: record more left and \
+                 right turns, with changes of speed",
+                error.x, error.y, limits.max_off_m
+            );
+            return out.too_little(subject, why);
+        }
+        if is_of_fixes(poses) {
+            let why = format!(
+                "the poses in {} may be computed from the fixes with this transform, so their agreement shows nothing: record odometry",
+                poses.frame_name()
+            );
+            return out.too_little(subject, why);
+        }
+        return out.pass(subject, measured);
+    }
+    let [x, y] = [(antenna.place_m.x, error.x), (antenna.place_m.y, error.y)].map(|(place, error)| {
+        if error <= limits.max_off_m.max(place.abs() / 2.0) {
+            format!("{place:.2}")
+        } else {
+            "unknown".to_owned()
+        }
+    });
+    let message = format!(
+        "`{}`: in turns, the antenna moves as at ({x}, {y}) m in {body}, stated ({:.2}, {:.2}) m",
+        fixes.topic, place.x, place.y
+    );
+    let finding = Finding::warning(subject, message, fixes.place())
+        .likely()
+        .detail(format!(
+            "Stated by the transform {body} -> {frame}. Another possible cause: the poses of {} are of another point than {body}.",
+            poses.subject
+        ))
+        .related(poses.place(), "compared with these poses");
+    let finding = match named(&stated, &antenna, limits) {
+        Some((relation, help)) => finding.relation(relation).help(help),
+        None => finding.help(format!(
+            "measure the antenna from the origin of {body}, and correct the translation of {body} -> {frame}"
+        )),
+    };
+    out.fail(finding.measured(measured));
+}
+
+fn measured(antenna: &AntennaEstimate, place: Vector2<f64>, body: &str) -> [Measured; 3] {
+    let row = |axis: &str, measured: f64, stated: f64, error: f64| {
+        Measured::new(format!("{axis} of the antenna in {body}, by the fixes"), measured, "m")
+            .expected(stated)
+            .spread(error)
+            .samples(antenna.steps as u64)
+    };
+    [
+        row("x", antenna.place_m.x, place.x, antenna.error_m.x),
+        row("y", antenna.place_m.y, place.y, antenna.error_m.y),
+        Measured::new("delay of the fixes", antenna.late_s.0, "s").spread(antenna.late_s.1),
+    ]
+}
+
+/// The mistake that explains the stated transform: its relation, and what to do.
+fn named(stated: &Isometry3<f64>, antenna: &AntennaEstimate, limits: &Limits) -> Option<(&'static str, &'static str)> {
+    let [x, y] = stated.translation.vector.xy().into();
+    let inverse = stated.inverse().translation.vector;
+    let near = (limits.sigmas * antenna.error_m).map(|error| error.max(0.5 * limits.max_off_m));
+    if near.max() > limits.max_off_m.max(0.25 * stated.translation.vector.xy().norm()) {
+        return None;
+    }
+    let fits = |[x, y]: [f64; 2]| {
+        let off = (antenna.place_m - Vector2::new(x, y)).abs();
+        off.x <= near.x && off.y <= near.y
+    };
+    if x == 0.0 && y == 0.0 {
+        let help = "measure the antenna from the origin of the poses' child frame, and write the translation into its transform";
+        return Some(("translation-lost", help));
+    }
+    let candidates = [
+        ([inverse.x, inverse.y], "inverse", "invert the transform"),
+        (
+            [x, -y],
+            "mirrored-y",
+            "negate y of the translation: y points to the left (REP-103)",
+        ),
+        (
+            [-x, y],
+            "x-negated",
+            "negate x of the translation: x points forward (REP-103)",
+        ),
+        (
+            [y, x],
+            "swap-xy",
+            "exchange x and y of the translation: x points forward, y to the left (REP-103)",
+        ),
+        (
+            [y, -x],
+            "left-z90",
+            "rotate the translation by -90 deg about z: x points forward, y to the left (REP-103)",
+        ),
+        (
+            [-y, x],
+            "left-z-90",
+            "rotate the translation by 90 deg about z: x points forward, y to the left (REP-103)",
+        ),
+        (
+            [x / 1000.0, y / 1000.0],
+            "millimetres",
+            "write the translation in metres",
+        ),
+        (
+            [0.0, 0.0],
+            "translation-added",
+            "the fixes are of the origin of the poses: if an INS publishes the position of its reference point, set `frame_id` of the fixes to the \
+             frame of that point; if not, correct the transform",
+        ),
+    ];
+    let found = candidates.into_iter().find(|(place, ..)| fits(*place));
+    found.map(|(_, word, help)| (word, help))
+}
