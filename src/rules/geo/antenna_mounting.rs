@@ -47,7 +47,7 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
         AntennaEstimate::best(odometry, fixes, limits).or_else(|| AntennaEstimate::best(placed(), fixes, limits));
     let Some((poses, stated, antenna)) = best else {
         let why = format!(
-            "no poses turn with the fixes in {} windows, and move as they do: record left and right turns, with changes of speed",
+            "in fewer than {} windows the poses turn, and the fixes follow them: record left and right turns with changes of speed",
             limits.min_windows
         );
         return out.too_little(subject, why);
@@ -56,14 +56,18 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
     let off = antenna.place_m - place;
     let error = limits.sigmas * antenna.error_m;
     let (body, frame) = (poses.child_name(), fixes.frame_name());
-    let is_off = off.zip_map(&error, |off, error| off.abs() > limits.max_off_m.max(error));
+    // Near a singular motion (a circle) the few windows may understate a large error.
+    let is_shown = antenna.error_m.map(|error| error <= limits.max_off_m);
+    let is_off = off.zip_zip_map(&error, &is_shown, |off, error, is_shown| {
+        is_shown && off.abs() > limits.max_off_m.max(error)
+    });
     let measured = measured(&antenna, place, &body);
     if !(is_off.x || is_off.y) {
         if error.max() > limits.max_off_m {
             let why = format!(
-                "the fixes show the antenna in {body} only to +-{:.1} m along x and +-{:.1} m along y, {} m are needed: record more left and \
-                 right turns, with changes of speed",
-                error.x, error.y, limits.max_off_m
+                "the fixes show the antenna in {body} only to +-{:.1} m along x and +-{:.1} m along y ({} standard errors), {} m are needed: \
+                 record more left and right turns with changes of speed, with an RTK receiver",
+                error.x, error.y, limits.sigmas, limits.max_off_m
             );
             return out.too_little(subject, why);
         }
@@ -76,29 +80,35 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
         }
         return out.pass(subject, measured);
     }
-    let [x, y] = [(antenna.place_m.x, error.x), (antenna.place_m.y, error.y)].map(|(place, error)| {
-        if error <= limits.max_off_m.max(place.abs() / 2.0) {
+    let shown = |place: f64, is_shown: bool| {
+        if is_shown {
             format!("{place:.2}")
         } else {
             "unknown".to_owned()
         }
-    });
+    };
+    let (x, y) = (
+        shown(antenna.place_m.x, is_shown.x),
+        shown(antenna.place_m.y, is_shown.y),
+    );
     let message = format!(
         "`{}`: in turns, the antenna moves as at ({x}, {y}) m in {body}, stated ({:.2}, {:.2}) m",
         fixes.topic, place.x, place.y
     );
     let finding = Finding::warning(subject, message, fixes.place())
         .likely()
-        .detail(format!(
-            "Stated by the transform {body} -> {frame}. Another possible cause: the poses of {} are of another point than {body}.",
-            poses.subject
-        ))
+        .detail(format!("Stated by the transform {body} -> {frame}."))
         .related(poses.place(), "compared with these poses");
     let finding = match named(&stated, &antenna, limits) {
-        Some((relation, help)) => finding.relation(relation).help(help),
-        None => finding.help(format!(
-            "measure the antenna from the origin of {body}, and correct the translation of {body} -> {frame}"
-        )),
+        Some((relation, what, help)) => finding.relation(relation).detail(what).help(help),
+        None => finding
+            .detail(format!(
+                "Another possible cause: the poses of {} are of another point than {body}.",
+                poses.subject
+            ))
+            .help(format!(
+                "measure the antenna from the origin of {body}, and correct the translation of {body} -> {frame}"
+            )),
     };
     out.fail(finding.measured(measured));
 }
@@ -113,12 +123,16 @@ fn measured(antenna: &AntennaEstimate, place: Vector2<f64>, body: &str) -> [Meas
     [
         row("x", antenna.place_m.x, place.x, antenna.error_m.x),
         row("y", antenna.place_m.y, place.y, antenna.error_m.y),
-        Measured::new("delay of the fixes", antenna.late_s.0, "s").spread(antenna.late_s.1),
+        Measured::new("delay of the fixes, by their time of arrival", antenna.late_s.0, "s").spread(antenna.late_s.1),
     ]
 }
 
-/// The mistake that explains the stated transform: its relation, and what to do.
-fn named(stated: &Isometry3<f64>, antenna: &AntennaEstimate, limits: &Limits) -> Option<(&'static str, &'static str)> {
+/// The mistake that explains the stated transform: its relation, a sentence, and what to do.
+fn named(
+    stated: &Isometry3<f64>,
+    antenna: &AntennaEstimate,
+    limits: &Limits,
+) -> Option<(&'static str, &'static str, &'static str)> {
     let [x, y] = stated.translation.vector.xy().into();
     let inverse = stated.inverse().translation.vector;
     let near = (limits.sigmas * antenna.error_m).map(|error| error.max(0.5 * limits.max_off_m));
@@ -131,47 +145,59 @@ fn named(stated: &Isometry3<f64>, antenna: &AntennaEstimate, limits: &Limits) ->
     };
     if x == 0.0 && y == 0.0 {
         let help = "measure the antenna from the origin of the poses' child frame, and write the translation into its transform";
-        return Some(("translation-lost", help));
+        return Some(("translation-lost", "The translation is missing.", help));
     }
     let candidates = [
-        ([inverse.x, inverse.y], "inverse", "invert the transform"),
+        (
+            [inverse.x, inverse.y],
+            "inverse",
+            "The inverse of the transform fits.",
+            "invert the transform",
+        ),
         (
             [x, -y],
             "mirrored-y",
+            "The transform with y negated fits.",
             "negate y of the translation: y points to the left (REP-103)",
         ),
         (
             [-x, y],
             "x-negated",
+            "The transform with x negated fits.",
             "negate x of the translation: x points forward (REP-103)",
         ),
         (
             [y, x],
             "swap-xy",
+            "The transform with x and y exchanged fits.",
             "exchange x and y of the translation: x points forward, y to the left (REP-103)",
         ),
         (
             [y, -x],
             "left-z90",
+            "The translation rotated by -90 deg about z fits.",
             "rotate the translation by -90 deg about z: x points forward, y to the left (REP-103)",
         ),
         (
             [-y, x],
             "left-z-90",
+            "The translation rotated by 90 deg about z fits.",
             "rotate the translation by 90 deg about z: x points forward, y to the left (REP-103)",
-        ),
-        (
-            [x / 1000.0, y / 1000.0],
-            "millimetres",
-            "write the translation in metres",
         ),
         (
             [0.0, 0.0],
             "translation-added",
-            "the fixes are of the origin of the poses: if an INS publishes the position of its reference point, set `frame_id` of the fixes to the \
-             frame of that point; if not, correct the transform",
+            "The fixes move as the origin of the poses. Another possible cause: the poses are computed from the fixes, as if the antenna were at that origin.",
+            "if an INS publishes the position of its reference point, set `frame_id` of the fixes to the frame of that point; if the antenna is at the \
+             origin, correct the transform",
+        ),
+        (
+            [x / 1000.0, y / 1000.0],
+            "millimetres",
+            "The translation is in millimetres.",
+            "write the translation in metres",
         ),
     ];
     let found = candidates.into_iter().find(|(place, ..)| fits(*place));
-    found.map(|(_, word, help)| (word, help))
+    found.map(|(_, word, what, help)| (word, what, help))
 }
