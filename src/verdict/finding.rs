@@ -13,7 +13,7 @@ use super::waiver::Acceptance;
 pub const UNEXPLAINED: &str = "unexplained";
 
 /// Before the configuration that would make a hint certain, in its help.
-const CONFIRM: &str = " The frames were guessed from names. To state which frames are meant (this is then no longer a hint), add to frames-lint.yaml:\n";
+const CONFIRM: &str = " The frames were guessed from names. If they are right, confirm them in frames-lint.yaml (the finding is then certain); if not, write the right ones:\n";
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

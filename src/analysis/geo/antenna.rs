@@ -226,7 +226,7 @@ fn windows(runs: &[Vec<Step>], limits: &Limits) -> Vec<Vec<Step>> {
     all
 }
 
-/// The normal equations of one window: of its own two unknowns (what is left of scale and rotation), of the shared three, and mixed.
+/// The normal equations of one window: of its own two unknowns (corrections of scale and rotation), of the shared three, and mixed.
 struct Part {
     own: Matrix2<f64>,
     mixed: Matrix3x2<f64>,
@@ -283,7 +283,7 @@ impl Part {
         )
     }
 
-    /// What is left of scale and rotation, where these are the shared unknowns.
+    /// The corrections of scale and rotation, where these are the shared unknowns.
     fn own(&self, shared: &Unknowns) -> Plane {
         let own = self
             .own

@@ -178,8 +178,8 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
         .measured(size.expected(0.0))
         .help(format!(
             "{else_do}publish `{frame}` with x forward, y left, z up (REP-103): multiply the orientation of the pose by {to_flu} from the \
-             right, and rotate twist and covariances into the new axes. Make sensors whose transforms were measured in the present axes \
-             children of a new frame `{frame}_{word}`, where `{frame}` -> `{frame}_{word}` has {back}"
+             right, and rotate twist and covariances into the new axes. Publish `{frame}` -> `{frame}_{word}` with {back}, and move what was \
+             measured in the present axes below `{frame}_{word}`: the parent of a sensor's transform, or `frame_id` of data in `{frame}`"
         ))
 }
 

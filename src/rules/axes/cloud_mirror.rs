@@ -81,8 +81,8 @@ fn judge_clouds(
             "mirrored",
             "cloud is mirrored",
             by_ground("x or y has the wrong sign, or x and y are swapped"),
-            "in the code that converts ranges and angles to points, count the angle in the other direction; or negate y, if the axes are \
-             left-handed (x, -y, z)",
+            "look at a cloud with known objects in front and to the left, and correct the code that makes points:\n(1) left appears right: negate \
+             y\n(2) front appears behind: negate x\n(3) front appears left: exchange x and y",
         )
     } else {
         (

@@ -76,16 +76,19 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     let (relation, kind, help) = named(frame, gravity, limits);
     let mut doubt = String::new();
     if is_sure {
-        doubt = format!(" On its mounting, {} has the right sign.", gravity.sensor);
+        doubt = format!(
+            " Through its mounting transform, {} measures gravity upwards, so that sensor is not the cause.",
+            gravity.sensor
+        );
     } else if !is_small {
         doubt = format!(
-            " Instead, the accelerometer of {} may have the opposite sign.",
+            " Not excluded: the accelerometer of {} may have the opposite sign.",
             gravity.sensor
         );
     }
     if !gravity.turns_with && !is_small {
         doubt.push_str(
-            " Instead, the orientation may be expressed in other body axes, or with w first: the recording has too little rotation to \
+            " Not excluded: the orientation may be expressed in other body axes, or with w first: the recording has too little rotation to \
              compare the orientation with the gyro.",
         );
     }

@@ -163,7 +163,7 @@ fn wrong(culprit: &Statement, relation: Relation) -> String {
 /// What to do about the errors that would each close the loop.
 fn help(culprits: &[(&Statement, Relation)], is_reversed: bool) -> String {
     match culprits {
-        _ if is_reversed => "look up in which direction the program that wrote the file means its keys; calibrate again only if the loop closes neither way".to_owned(),
+        _ if is_reversed => "look up in which direction the program that wrote the file means its keys:\n(1) opposite to the direction that is read here: nothing is wrong\n(2) as read here: the numbers of all keys are inverted: invert them, or exchange the two frames in the name of each key".to_owned(),
         [] => "calibrate the three transforms together, or find the wrong one and calibrate that one again".to_owned(),
         [(culprit, Relation::Inverse)] => format!(
             "invert the numbers of {0}, or exchange the two frames in the name of {0} if the numbers are right; calibrate again only if the loop does not close then",

@@ -92,7 +92,7 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
         shown(antenna.place_m.y, is_shown.y),
     );
     let message = format!(
-        "`{}`: in turns, the antenna moves as at ({x}, {y}) m in {body}, stated ({:.2}, {:.2}) m",
+        "`{}`: by the turns, the antenna is at ({x}, {y}) m in {body}, stated ({:.2}, {:.2}) m",
         fixes.topic, place.x, place.y
     );
     let finding = Finding::warning(subject, message, fixes.place())
@@ -187,9 +187,11 @@ fn named(
         (
             [0.0, 0.0],
             "translation-added",
-            "The fixes move as the origin of the poses. Another possible cause: the poses are computed from the fixes, as if the antenna were at that origin.",
-            "if an INS publishes the position of its reference point, set `frame_id` of the fixes to the frame of that point; if the antenna is at the \
-             origin, correct the transform",
+            "The fixes move as the origin of the poses.",
+            "correct the cause that applies:\n\
+             (1) the receiver (an INS) publishes the position of its reference point: set `frame_id` of the fixes to the frame of that point\n\
+             (2) the poses are computed from these fixes as if the antenna were at that origin: give the estimator the position of the antenna\n\
+             (3) the antenna is at that origin: correct the translation of the transform",
         ),
         (
             [x / 1000.0, y / 1000.0],

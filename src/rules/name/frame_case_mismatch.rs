@@ -3,8 +3,7 @@
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::advice::literal::with_fix;
-use crate::advice::places;
+use crate::advice::{literal::with_fix, places};
 use crate::analysis::names;
 use crate::rules::prelude::*;
 use crate::source::SourceId;

@@ -210,11 +210,11 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, test: HalfTurnTes
             )
         };
         finding = finding.help(format!(
-            "replace the rotation of `{}` -> `{}` by x y z w = {} (rotated by 180 deg about z of `{}`), and keep the translation{or}",
+            "rotate `{}` -> `{}` by 180 deg about z of `{}`: the new rotation is x y z w = {}; keep the translation{or}",
             edge.parent,
             edge.child,
-            xyzw_in_words(&right.rotation, 6),
-            edge.child
+            edge.child,
+            xyzw_in_words(&right.rotation, 6)
         ));
         let mut known = world.graph().edges_to(&edge.child);
         let stated = known.find(|known| known.parent == edge.parent);
