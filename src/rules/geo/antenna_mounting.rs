@@ -136,9 +136,6 @@ fn named(
     let [x, y] = stated.translation.vector.xy().into();
     let inverse = stated.inverse().translation.vector;
     let near = (limits.sigmas * antenna.error_m).map(|error| error.max(0.5 * limits.max_off_m));
-    if near.max() > limits.max_off_m.max(0.25 * stated.translation.vector.xy().norm()) {
-        return None;
-    }
     let fits = |[x, y]: [f64; 2]| {
         let off = (antenna.place_m - Vector2::new(x, y)).abs();
         off.x <= near.x && off.y <= near.y
@@ -200,6 +197,12 @@ fn named(
             "write the translation in metres",
         ),
     ];
-    let found = candidates.into_iter().find(|(place, ..)| fits(*place));
-    found.map(|(_, word, what, help)| (word, what, help))
+    let fitting: Vec<_> = candidates.into_iter().filter(|(place, ..)| fits(*place)).collect();
+    let ([first_x, first_y], word, what, help) = *fitting.first()?;
+    // Where a coordinate is hardly known, several mistakes fit.
+    let is_same = |[x, y]: [f64; 2]| (x - first_x).hypot(y - first_y) <= limits.max_off_m;
+    fitting
+        .iter()
+        .all(|(place, ..)| is_same(*place))
+        .then_some((word, what, help))
 }
