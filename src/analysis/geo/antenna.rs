@@ -4,11 +4,16 @@
 //! `c + u (p + e^(iy) l)`. Displacements over some seconds cancel `c` and the slow errors of receiver and odometry. In each window `u` (rotation and
 //! scale between both planes) is free; `l`, and the time by which the fixes are late, are the same in all. Must not judge.
 
+use std::cell::OnceCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
 use nalgebra::{Complex, Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 use serde::Deserialize;
 
+use crate::analysis::Estimates;
 use crate::analysis::geo::overlay::geodetic;
-use crate::analysis::motion::{Stream, Track, Yaws};
+use crate::analysis::motion::{BagMotion, Motion, Stream, Track, Yaws};
 use crate::math::stats::{mad, median};
 use crate::world::motion::{FixRow, PoseRow};
 
@@ -50,19 +55,51 @@ struct Step {
     speed: Plane,
 }
 
-impl AntennaEstimate {
-    /// By those of the poses that determine it best, and follow the fixes.
-    pub(crate) fn best<'p, T>(
-        placed: impl Iterator<Item = (&'p Stream<PoseRow>, T)>,
-        fixes: &Stream<FixRow>,
-        limits: &Limits,
-    ) -> Option<(&'p Stream<PoseRow>, T, Self)> {
-        let all = placed.filter_map(|(poses, with)| Some((poses, with, Self::of(poses, fixes, limits)?)));
-        let follows = |found: &Self| found.residual <= limits.max_residual && found.late_s.0.abs() <= limits.max_late_s;
-        all.filter(|(.., found)| follows(found))
-            .min_by(|(.., a), (.., b)| a.error_m.max().total_cmp(&b.error_m.max()))
+/// The antennas of all receivers, by every stream of poses of the platform; each receiver's are made once, on first use.
+pub(crate) struct Antennas {
+    limits: Arc<Limits>,
+    /// By recording and receiver; then by stream of poses.
+    bags: Vec<Vec<OnceCell<Vec<Option<AntennaEstimate>>>>>,
+}
+
+impl Antennas {
+    pub(crate) fn of(world: &Estimates) -> Rc<Self> {
+        world.once(|world| {
+            let motion = Motion::of(world);
+            let cells = motion
+                .bags
+                .iter()
+                .map(|bag| bag.fixes.iter().map(|_| OnceCell::new()).collect());
+            Self {
+                limits: world.limits(),
+                bags: cells.collect(),
+            }
+        })
     }
 
+    /// Of one receiver, by those of the poses that determine it best, and follow its fixes.
+    pub(crate) fn best<'m>(
+        &self,
+        (index, bag): (usize, &'m BagMotion),
+        receiver: usize,
+        is_used: impl Fn(&Stream<PoseRow>) -> bool,
+    ) -> Option<(&'m Stream<PoseRow>, &AntennaEstimate)> {
+        let (fixes, cell) = (bag.fixes.get(receiver)?, self.bags.get(index)?.get(receiver)?);
+        let by_poses = cell.get_or_init(|| {
+            let all = bag.ways().map(|poses| AntennaEstimate::of(poses, fixes, &self.limits));
+            all.collect()
+        });
+        let follows = |found: &AntennaEstimate| {
+            found.residual <= self.limits.max_residual && found.late_s.0.abs() <= self.limits.max_late_s
+        };
+        let both = bag.ways().zip(by_poses);
+        both.filter_map(|(poses, found)| Some((poses, found.as_ref()?)))
+            .filter(|(poses, found)| is_used(poses) && follows(found))
+            .min_by(|(_, a), (_, b)| a.error_m.max().total_cmp(&b.error_m.max()))
+    }
+}
+
+impl AntennaEstimate {
     /// `None` where there are too few windows in which the body turns, or the fixes do not follow the poses.
     fn of(poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) -> Option<Self> {
         Self::fitted(windows(&steps(poses, fixes, limits), limits), limits)

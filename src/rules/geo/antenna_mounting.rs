@@ -2,13 +2,12 @@
 
 use nalgebra::{Isometry3, Vector2};
 
-use crate::analysis::geo::antenna::{AntennaEstimate, Limits};
+use crate::analysis::geo::antenna::{AntennaEstimate, Antennas, Limits};
 use crate::analysis::geo::overlay::body_from_antenna;
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::{names, names::Standard};
 use crate::rules::prelude::*;
-use crate::world::World;
-use crate::world::motion::{FixRow, PoseRow};
+use crate::world::motion::PoseRow;
 
 pub(crate) struct AntennaMounting;
 
@@ -17,21 +16,25 @@ impl Rule for AntennaMounting {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for bag in &Motion::of(world).bags {
-            for fixes in &bag.fixes {
-                judge_fixes(world, bag, fixes, limits, out);
+        for (index, bag) in Motion::of(world).bags.iter().enumerate() {
+            for receiver in 0..bag.fixes.len() {
+                judge_receiver(world, (index, bag), receiver, limits, out);
             }
         }
     }
 }
 
-fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
+fn judge_receiver(
+    world: &Estimates,
+    (index, bag): (usize, &BagMotion),
+    receiver: usize,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let Some(fixes) = bag.fixes.get(receiver) else { return };
     let subject = format!("antenna of {}", fixes.subject);
-    let placed = || {
-        bag.ways()
-            .filter_map(|poses| Some((poses, body_from_antenna(world, poses, fixes)?)))
-    };
-    if placed().next().is_none() {
+    let stated = |poses: &Stream<PoseRow>| body_from_antenna(world, poses, fixes);
+    if bag.ways().all(|poses| stated(poses).is_none()) {
         let why = format!(
             "no transform connects {} of the fixes with the child frame of recorded poses",
             fixes.frame_name()
@@ -42,10 +45,14 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
         let kind = poses.frame.as_ref().and_then(|frame| names::standard(frame));
         matches!(kind, Some((_, Standard::Map | Standard::Earth)))
     };
-    let odometry = placed().filter(|(poses, _)| !is_of_fixes(poses));
-    let best =
-        AntennaEstimate::best(odometry, fixes, limits).or_else(|| AntennaEstimate::best(placed(), fixes, limits));
-    let Some((poses, stated, antenna)) = best else {
+    let antennas = Antennas::of(world);
+    let best = |of_fixes: bool| {
+        let is_used = |poses: &Stream<PoseRow>| is_of_fixes(poses) == of_fixes && stated(poses).is_some();
+        antennas.best((index, bag), receiver, is_used)
+    };
+    let best = best(false).or_else(|| best(true));
+    let Some((poses, antenna, stated)) = best.and_then(|(poses, antenna)| Some((poses, antenna, stated(poses)?)))
+    else {
         let why = format!(
             "in fewer than {} windows the poses turn, and the fixes follow them: record left and right turns with changes of speed",
             limits.min_windows
@@ -61,7 +68,7 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
     let is_off = off.zip_zip_map(&error, &is_shown, |off, error, is_shown| {
         is_shown && off.abs() > limits.max_off_m.max(error)
     });
-    let measured = measured(&antenna, place, &body);
+    let measured = measured(antenna, place, &body);
     if !(is_off.x || is_off.y) {
         if error.max() > limits.max_off_m {
             let why = format!(
@@ -99,7 +106,7 @@ fn judge_fixes(world: &World, bag: &BagMotion, fixes: &Stream<FixRow>, limits: &
         .likely()
         .detail(format!("Stated by the transform {body} -> {frame}."))
         .related(poses.place(), "compared with these poses");
-    let finding = match named(&stated, &antenna, limits) {
+    let finding = match named(&stated, antenna, limits) {
         Some((relation, what, help)) => finding.relation(relation).detail(what).help(help),
         None => finding
             .detail(format!(

@@ -82,10 +82,9 @@ fn judge_pair(
     };
     let message = format!("`{frame}` does not have {word} axes: {deg:.1} deg off, if `{sibling}` is {of_sibling}");
     let renamed = match relation {
-        Some(Relation::FluFrd) if is_down => format!(
-            "; if forward-right-down is meant, rename `{frame}` to `{}`",
-            frame.as_str().replace("ned", "frd")
-        ),
+        Some(Relation::FluFrd) if is_down => {
+            format!("; if forward-right-down is meant, write `frd` for `ned` in the name `{frame}`")
+        }
         _ => format!("; otherwise rename `{frame}`"),
     };
     let finding = match relation {

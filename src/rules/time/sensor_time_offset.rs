@@ -2,7 +2,7 @@
 
 use crate::advice::together::report_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::geo::antenna::{self, AntennaEstimate};
+use crate::analysis::geo::antenna::Antennas;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::scan_motion::ScanMotion;
@@ -35,7 +35,7 @@ impl Rule for SensorTimeOffset {
                     None => {}
                 }
             }
-            judge_bag(world, motion, &signals, sensors.of_bag(index), limits, out);
+            judge_bag(world, (index, motion), &signals, sensors.of_bag(index), limits, out);
         }
     }
 }
@@ -49,7 +49,7 @@ fn is_wrong(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> bool {
 
 fn judge_bag(
     world: &Estimates,
-    motion: &BagMotion,
+    (index, motion): (usize, &BagMotion),
     signals: &[Signal],
     sensors: &[Sensor],
     limits: &Limits,
@@ -81,7 +81,7 @@ fn judge_bag(
             Err(NoOffset::Varies(why)) => out.too_little(subject, why),
             Ok(offset) => {
                 out.plot(&subject, || Some(plot(first, second, &offset)));
-                let offset = without_arm(world, motion, [first, second], offset);
+                let offset = without_arm(world, (index, motion), [first, second], offset);
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
                 let (size_s, give_s) = (offset.in_stamps_s.abs(), limits.sigmas * offset.sigma_s);
@@ -119,20 +119,20 @@ fn judge_bag(
 }
 
 /// The offset without what the distance of an antenna from the body adds: ahead of it, its course turns earlier.
-fn without_arm(world: &Estimates, motion: &BagMotion, pair: [&Signal; 2], offset: Offset) -> Offset {
-    let limits = world.limits::<antenna::Limits>();
-    let fixes = pair.map(|signal| {
-        let mut all = motion.fixes.iter().filter(|_| signal.kind == Kind::Fix);
-        all.find(|fixes| fixes.subject == signal.stream)
+fn without_arm(world: &Estimates, motion: (usize, &BagMotion), pair: [&Signal; 2], offset: Offset) -> Offset {
+    let receivers = pair.map(|signal| {
+        let mut all = motion.1.fixes.iter();
+        all.position(|fixes| signal.kind == Kind::Fix && fixes.subject == signal.stream)
     });
-    let (fixes, sign) = match fixes {
-        [None, Some(fixes)] => (fixes, 1.0),
-        [Some(fixes), None] => (fixes, -1.0),
+    let (receiver, sign) = match receivers {
+        [None, Some(receiver)] => (receiver, 1.0),
+        [Some(receiver), None] => (receiver, -1.0),
         _ => return offset,
     };
-    let best = AntennaEstimate::best(motion.ways().map(|poses| (poses, ())), fixes, &limits);
+    let antennas = Antennas::of(world);
+    let best = antennas.best(motion, receiver, |_| true);
     let Some((late_s, error_s)) = best
-        .map(|(.., found)| found.late_s)
+        .map(|(_, found)| found.late_s)
         .filter(|(_, error_s)| *error_s <= MAX_DELAY_ERROR_S)
     else {
         return offset;
