@@ -2,7 +2,8 @@
 
 use crate::faults::{Seers, Subject};
 use crate::source::Confidence;
-use crate::verdict::{Bound, Finding, Measured, Outcome, Row, Verdict};
+use crate::verdict::{Bound, Finding, Measured, NotEvaluated, Outcome, Row, Verdict};
+use crate::world::World;
 
 /// Why a mistake is missed, and what would show it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -14,8 +15,14 @@ pub struct Miss {
 }
 
 impl Miss {
-    /// By the rows of verdicts on the data without and with the mistake; `record` is what shows it in general.
-    pub(super) fn of(seen_by: Seers, subject: &Subject, [healthy, altered]: [&Verdict; 2], record: &str) -> Self {
+    /// By the rows of verdicts on the data of a world without and with the mistake; `record` is what shows it in general.
+    pub(super) fn of(
+        world: &World,
+        seen_by: Seers,
+        subject: &Subject,
+        [healthy, altered]: [&Verdict; 2],
+        record: &str,
+    ) -> Self {
         if let Some(hidden) = Self::hidden(seen_by, subject, [healthy, altered]) {
             return hidden;
         }
@@ -49,10 +56,16 @@ impl Miss {
         let lacks = about
             .iter()
             .find(|row| row.outcome == Outcome::NotEvaluated && row.applies());
+        let is_unread =
+            |row: &Row| row.why_not() == Some(NotEvaluated::TooLittleEvidence) && world.holds_more_about(&row.subject);
         let grown = grown(row, healthy);
         Self {
             reason: reason(row, altered),
             record: match (row.outcome, lacks) {
+                (Outcome::NotEvaluated, _) if is_unread(row) => format!(
+                    "read the whole recording with --full, for {} lacks evidence in the part that was read; if that does not show it: {record}",
+                    row.rule
+                ),
                 // A share grows with what is recorded.
                 (Outcome::Pass, _) if grown.is_some_and(|measured| measured.unit == "1") => record.to_owned(),
                 (Outcome::Pass, _) if grown.is_some() => format!(

@@ -300,6 +300,12 @@ impl Search<'_> {
         };
         let healthy = self.base.healthy(self.fault.seen_by);
         let verdicts = [&healthy.verdict, &altered];
-        Miss::of(self.fault.seen_by, self.subject, verdicts, self.fault.record)
+        Miss::of(
+            self.base.world,
+            self.fault.seen_by,
+            self.subject,
+            verdicts,
+            self.fault.record,
+        )
     }
 }

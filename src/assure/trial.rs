@@ -92,7 +92,7 @@ impl<'w> Platform<'w> {
         let accepted = accepted.first().and_then(|finding| Miss::accepted(finding));
         let miss = accepted.unwrap_or_else(|| {
             let verdicts = [&self.healthy.verdict, &altered];
-            Miss::of(fault.seen_by, subject, verdicts, fault.record)
+            Miss::of(self.base.world, fault.seen_by, subject, verdicts, fault.record)
         });
         Some(trial(TrialOutcome::Missed, &[], Some(miss)))
     }

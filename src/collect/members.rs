@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::read::messages::content::{Body, Member};
 use crate::world::bag::MemberEvidence;
 
+use super::CloudOptions;
 use super::content::Contents;
 use super::names::Names;
 use super::point::{Point, PointOwner};
@@ -23,7 +24,7 @@ const LATER: usize = 16;
 /// The members of one topic.
 pub(super) struct Members {
     rank: usize,
-    time_fields: Arc<[String]>,
+    of_clouds: CloudOptions,
     of_type: usize,
     known: BTreeMap<Arc<str>, Box<MemberState>>,
     /// Those beyond the bound.
@@ -40,10 +41,10 @@ struct MemberState {
 
 impl Members {
     /// Those of the topic that came `rank`-th, from 0, and `of_type`-th among those of its type.
-    pub(super) fn new(rank: usize, of_type: usize, time_fields: Arc<[String]>) -> Self {
+    pub(super) fn new(rank: usize, of_type: usize, of_clouds: CloudOptions) -> Self {
         Self {
             rank,
-            time_fields,
+            of_clouds,
             of_type,
             known: BTreeMap::new(),
             refused: 0,
@@ -76,7 +77,7 @@ impl Members {
                 first: point,
                 frames: Names::new(share),
                 children: Names::new(share),
-                contents: Contents::new(share, RowBudget::of(rank), Arc::clone(&self.time_fields)),
+                contents: Contents::new(share, RowBudget::of(rank), self.of_clouds.clone()),
             };
             self.known.insert(Arc::clone(&member.field), Box::new(one));
         }

@@ -71,8 +71,17 @@ pub struct CollectOptions {
     pub parts: Vec<PathBuf>,
     /// The definitions of messages for recordings that carry none.
     pub definitions: Arc<Definitions>,
-    /// Fields that hold the times of points, in addition to the known ones.
+    /// How clouds are kept.
+    pub clouds: CloudOptions,
+}
+
+/// How clouds are kept.
+#[derive(Clone, Debug, Default)]
+pub struct CloudOptions {
+    /// Fields that hold the times of points, in addition to the known ones; they take precedence.
     pub time_fields: Arc<[String]>,
+    /// Whether slices have the points near the plane of a camera's x and y, too: mistakes are tried on them.
+    pub has_optical: bool,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
@@ -81,7 +90,7 @@ pub fn collect(path: &Path, how: &CollectOptions, source: &mut Source, progress:
     let mut collector = Collector {
         decoders: Decoders::new(Arc::clone(&how.definitions)),
         room_for_members: MAX_MEMBERS,
-        time_fields: Arc::clone(&how.time_fields),
+        of_clouds: how.clouds.clone(),
         ..Collector::default()
     };
     let wanted = Selection {
@@ -130,7 +139,7 @@ struct Collector {
     writers: Writers,
     descriptions: Descriptions,
     metadata: Descriptions,
-    time_fields: Arc<[String]>,
+    of_clouds: CloudOptions,
     parts: Parts,
     annotations: Annotations,
     log_ns: Option<(i64, i64)>,
@@ -246,7 +255,7 @@ impl Collector {
                     .filter(|topic| topic.message_type == channel.message_type);
                 let of_type = alike.count();
                 self.topics
-                    .push(Topic::new(channel, &decoder, next, of_type, &self.time_fields));
+                    .push(Topic::new(channel, &decoder, next, of_type, &self.of_clouds));
                 next
             }
         };

@@ -1,7 +1,6 @@
 //! What is gathered of one topic: counts, log times, header frames, stamps.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use crate::read::bag::{Channel, Message};
 use crate::read::messages::DecodeError;
@@ -11,6 +10,7 @@ use crate::source::{Place, SourceId};
 use crate::world::bag::TopicEvidence;
 use crate::world::{FrameId, FrameRole, FrameUse};
 
+use super::CloudOptions;
 use super::content::Contents;
 use super::members::Members;
 use super::names::Names;
@@ -60,7 +60,7 @@ impl Topic {
         decoder: &Decoder,
         rank: usize,
         of_type: usize,
-        time_fields: &Arc<[String]>,
+        of_clouds: &CloudOptions,
     ) -> Self {
         let share = SampleBudget::of(rank).with_clouds(of_type);
         Self {
@@ -81,8 +81,8 @@ impl Topic {
             frames: Names::new(share),
             children: Names::new(share),
             stamps: Stamps::new(share),
-            contents: Contents::new(share, RowBudget::of(rank), Arc::clone(time_fields)),
-            members: Members::new(rank, of_type, Arc::clone(time_fields)),
+            contents: Contents::new(share, RowBudget::of(rank), of_clouds.clone()),
+            members: Members::new(rank, of_type, of_clouds.clone()),
         }
     }
 

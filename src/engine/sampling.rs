@@ -2,16 +2,15 @@
 //!
 //! Owns the parameters of sampling and the decision to widen it. Does not read.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::read::bag::{RunExtension, Sampling};
 use crate::rules::SampleSize;
 use crate::source::Source;
-use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
+use crate::verdict::{NotEvaluated, Row, Verdict};
 use crate::world::World;
-use crate::world::bag::TopicEvidence;
 
 use super::enabled::EnabledRule;
 
@@ -24,7 +23,7 @@ const CARRIED: RunExtension = RunExtension {
     runs: 10,
     bytes: 256 << 20,
 };
-/// The factor for bytes and windows of one widening.
+/// The factor for the bytes and for the length of the windows of one widening: what lacks evidence lacks a turn or a stop, not a place.
 const WIDENING: u32 = 4;
 /// Bytes of recordings that may be read in all rounds if no time limit is given. Not a time: results do not depend on the load of the
 /// machine.
@@ -112,11 +111,8 @@ impl Plan {
             return false;
         }
         self.lacking = Some(lacking);
-        sampling.windows = sampling.windows.saturating_mul(WIDENING);
+        sampling.seconds *= f64::from(WIDENING);
         sampling.bytes = sampling.bytes.saturating_mul(u64::from(WIDENING));
-        if let Some(carried) = &mut sampling.carried {
-            carried.runs = carried.runs.saturating_mul(WIDENING);
-        }
         true
     }
 }
@@ -149,26 +145,9 @@ fn read_bytes(worlds: &[World]) -> u64 {
 
 /// Rows that lacked evidence which a recording of the world still contains.
 fn lacking(world: &World, verdict: &Verdict) -> usize {
-    let sampled: Vec<_> = world.bags.iter().filter(|bag| !bag.share.whole).collect();
-    if sampled.is_empty() {
-        return 0;
-    }
-    let topics = || sampled.iter().flat_map(|bag| bag.topics.values());
-    let read_up: BTreeSet<&str> = topics()
-        .filter(|topic| topic.total.is_some() && !topic.has_more())
-        .map(|topic: &TopicEvidence| topic.topic.as_str())
-        .collect();
-    verdict.rows.iter().filter(|row| may_gain(row, &read_up)).count()
-}
-
-/// Whether a row lacks evidence, and its subject is not a topic that was read completely.
-fn may_gain(row: &Row, read_up: &BTreeSet<&str>) -> bool {
-    let lacks = row.outcome == Outcome::NotEvaluated
-        && row
-            .reason
-            .as_deref()
-            .is_some_and(|reason| reason.starts_with(NotEvaluated::TooLittleEvidence.word()));
-    lacks && !row.subject.split('`').any(|word| read_up.contains(word))
+    let lacks = |row: &&Row| row.why_not() == Some(NotEvaluated::TooLittleEvidence);
+    let rows = verdict.rows.iter().filter(lacks);
+    rows.filter(|row| world.holds_more_about(&row.subject)).count()
 }
 
 #[cfg(test)]
@@ -176,7 +155,9 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::source::{Source, SourceId, SourceKind};
+    use crate::verdict::Outcome;
     use crate::world::BagEvidence;
+    use crate::world::bag::TopicEvidence;
     use std::sync::Arc;
 
     fn row(subject: &str, why: NotEvaluated) -> Row {

@@ -1,12 +1,15 @@
 //! Mistakes of point clouds: their axes, their unit, and the times of their points.
 //!
 //! The evidence has a part of the clouds with a part of their points, and of every cloud of a run the points near the plane of its x
-//! and y. A change that keeps this plane changes all of that as the same clouds would be collected. One that turns the plane cuts
-//! the new one from the points that are kept: of clouds without kept points nothing is left in it. Rows and columns stay.
+//! and y. A change that keeps this plane changes all of that as the same clouds would be collected. For the axes of a camera, which
+//! turn it, the points near the other plane are collected, too, where mistakes are tried; of saved evidence, which has none, the new
+//! plane is cut from the kept points. Rows and columns stay.
+
+use std::sync::Arc;
 
 use crate::world::World;
 use crate::world::bag::TopicEvidence;
-use crate::world::cloud::{CloudEvidence, CloudSample, CloudSlice, PlaneCut, PointTimes};
+use crate::world::cloud::{CloudEvidence, CloudSample, CloudSlice, PlaneCut, PointTimes, optical};
 
 use super::{Change, Fault, Subject, SubjectPlace};
 
@@ -65,28 +68,41 @@ fn of_an_ouster(world: &World, _: &TopicEvidence, clouds: &CloudEvidence) -> boo
     })
 }
 
-/// Expresses the points in other axes: x, y and z in another order, with another sign.
+/// Expresses the points in other axes with the same plane of x and y, or the same turned over.
 fn turned(topic: &mut TopicEvidence, axes: fn([f64; 3]) -> [f64; 3]) -> bool {
     let Some(clouds) = &mut topic.content.clouds else {
         return false;
     };
     let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
     points.for_each(|point| point.xyz = axes(point.xyz));
-    let [x, y, _] = axes([0.0, 0.0, 1.0]);
-    let keeps_plane = x == 0.0 && y == 0.0;
     for slice in clouds.runs.iter_mut().flatten() {
         let mut cut = PlaneCut::default();
-        if keeps_plane {
-            // Points without times have none afterwards, either.
-            for (at, point) in slice.points.iter().enumerate() {
-                cut.push(axes(*point), || slice.after.get(at).copied().unwrap_or(f64::NAN));
-            }
-        } else if let Some(sample) = clouds.samples.iter().find(|sample| is_of(sample, slice)) {
-            for point in &sample.points {
-                cut.push(point.xyz, || point.time);
-            }
+        // Points without times have none afterwards, either.
+        for (at, point) in slice.points.iter().enumerate() {
+            cut.push(axes(*point), || slice.after.get(at).copied().unwrap_or(f64::NAN));
         }
         (slice.points, slice.after) = cut.finish();
+    }
+    true
+}
+
+/// Expresses the points in the axes of a camera.
+fn forward(topic: &mut TopicEvidence) -> bool {
+    let Some(clouds) = &mut topic.content.clouds else {
+        return false;
+    };
+    let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
+    points.for_each(|point| point.xyz = optical(point.xyz));
+    for slice in clouds.runs.iter_mut().flatten() {
+        let collected = slice.optical.take().map(Arc::unwrap_or_clone);
+        (slice.points, slice.after) = collected.unwrap_or_else(|| {
+            let mut cut = PlaneCut::default();
+            let sample = clouds.samples.iter().find(|sample| is_of(sample, slice));
+            for point in sample.iter().flat_map(|sample| &sample.points) {
+                cut.push(point.xyz, || point.time);
+            }
+            cut.finish()
+        });
     }
     true
 }
@@ -207,7 +223,7 @@ pub(super) static FAULTS: &[Fault] = &[
     cloud!(
         "cloud-z-forward",
         any,
-        |topic| turned(topic, |[x, y, z]| [-y, -z, x]),
+        forward,
         "A cloud is expressed in the axes of a camera: x right, y down, z forward.",
         ["optical"],
         [],

@@ -211,6 +211,11 @@ impl TopicEvidence {
     pub fn has_more(&self) -> bool {
         self.total.is_some_and(|total| total > self.count)
     }
+
+    /// Whether every message of the topic is known to be read.
+    pub fn is_read_up(&self) -> bool {
+        self.total.is_some_and(|total| total <= self.count)
+    }
 }
 
 /// A fault in the numbers or names of one TF transform, kept as an example.

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -73,6 +74,17 @@ pub struct CloudSlice {
     pub points: Vec<[f64; 3]>,
     /// The time of each after the earliest of them, in the unit that is published: finite. Empty where points have no times.
     pub after: Vec<f64>,
+    /// Points and times of the same cloud in the [`optical`] axes, if mistakes are tried on it: its points near another plane.
+    #[serde(skip)]
+    pub optical: Option<Arc<PlanePoints>>,
+}
+
+/// Points near the plane of x and y, counter-clockwise from -x, and the time of each after the earliest; see [`CloudSlice`].
+pub type PlanePoints = (Vec<[f64; 3]>, Vec<f64>);
+
+/// A point in the axes of a camera (x right, y down, z forward) from x forward, y left, z up: REP-103.
+pub fn optical([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [-y, -z, x]
 }
 
 /// Directions of a slice.
@@ -200,7 +212,7 @@ impl PlaneCut {
     }
 
     /// The points that are kept, and the time of each after the earliest; no times where one is NaN, or all are the same.
-    pub fn finish(self) -> (Vec<[f64; 3]>, Vec<f64>) {
+    pub fn finish(self) -> PlanePoints {
         let kept = self.0.iter().flat_map(|bin| bin.iter().flatten());
         let (points, times): (Vec<_>, Vec<_>) = kept.map(|(_, point, time)| (*point, *time)).unzip();
         (points, after(times))

@@ -229,6 +229,14 @@ impl World {
         self.sources.get(id.0 as usize).map(AsRef::as_ref)
     }
 
+    /// Whether a recording holds more than was read about a subject in words: not where it names a topic that was read completely.
+    pub fn holds_more_about(&self, subject: &str) -> bool {
+        let mut sampled = self.bags.iter().filter(|bag| !bag.share.whole).peekable();
+        let is_sampled = sampled.peek().is_some();
+        let mut topics = sampled.flat_map(|bag| bag.topics.values());
+        is_sampled && !topics.any(|topic| topic.is_read_up() && subject.split('`').any(|word| word == topic.topic))
+    }
+
     /// The path of a source, for messages.
     pub fn path(&self, id: SourceId) -> &str {
         self.source(id).map_or("?", |source| source.path.as_str())

@@ -2,13 +2,13 @@
 //!
 //! The drives write the mistakes into messages by formulas of their own: what is collected of them is the truth.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::print_stderr, clippy::indexing_slicing)]
 
 use std::collections::BTreeSet;
 
 use frames_lint::engine::{self, Options, Rules};
 use frames_lint::faults::motion::{Stream, change_imu};
-use frames_lint::faults::{self, Family, Fault, Subject};
+use frames_lint::faults::{self, Family, Fault, Selection, Subject};
 use frames_lint::world::{Facts, World};
 
 use crate::support;
@@ -124,7 +124,7 @@ topics:
       - {parent: base_link, child: velodyne, xyz: [0, 0, 1.8]}
       - {parent: base_link, child: laser, xyz: [0.3, 0, 0.3]}
   - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: base_link}
-  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: velodyne, xyz: [0, 0, 1.8]@points, lidar: {beams: 16, columns: 360, driver: velodyne}}
+  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: velodyne, xyz: [0, 0, 1.8]@points, lidar: {beams: 16, columns: 360, driver: velodyne@lidar}}
   - {topic: /scan, from_drive: laser, rate_hz: 10, frame_id: laser, xyz: [0.3, 0, 0.3]@scan, laser: {rays: 181}}
 ";
 
@@ -135,6 +135,15 @@ const MADE_IN_SCANS: &[(&str, &str, &str)] = &[
     ("stamps-later", "scan", "late_s: 0.3"),
     ("stamps-ahead", "points", "stamp_offset_s: 0.3"),
     ("stamps-behind", "scan", "stamp_offset_s: -0.3"),
+    ("cloud-mirrored", "lidar", "mirrored: true"),
+    ("cloud-z-down", "lidar", "mirrored: true, z_negated: true"),
+    ("cloud-z-forward", "lidar", "optical: true"),
+    ("cloud-yaw-90", "lidar", "turned_deg: -90"),
+    ("cloud-millimetres", "lidar", "scale: 1000"),
+    ("cloud-times-missing", "lidar", "times: missing"),
+    ("cloud-times-constant", "lidar", "times: constant"),
+    ("cloud-times-reversed", "lidar", "times: reversed"),
+    ("cloud-times-unit", "lidar", "time_scale: 1000"),
 ];
 
 /// Rule, subject and relation of a finding.
@@ -145,7 +154,7 @@ pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.mcap");
     let mut recipe = recipe.to_owned();
-    for stream in ["imu", "odom", "pose", "map", "fix", "points", "scan"] {
+    for stream in ["imu", "odom", "pose", "map", "fix", "points", "lidar", "scan"] {
         let knob = made.filter(|(of, _)| *of == stream);
         recipe = recipe.replace(
             &format!("@{stream}"),
@@ -155,6 +164,7 @@ pub(crate) fn collected(recipe: &str, made: Option<(&str, &str)>) -> World {
     support::write(&recipe, &path);
     let mut run = engine::collect(&Options {
         paths: vec![path],
+        assure: Some(Selection::default()),
         ..Options::default()
     })
     .unwrap();
@@ -192,7 +202,7 @@ fn evidence_with_a_mistake_is_judged_as_messages_with_it() {
         eprintln!("{vehicle}, healthy: {:?}", finding_keys(&healthy, &rules));
         for (name, stream, knob) in made {
             let fault = known(name);
-            let word = format!("`/{stream}`");
+            let word = format!("`/{}`", if *stream == "lidar" { "points" } else { stream });
             let subjects = fault.change.subjects(&healthy);
             let subject = subjects.iter().find(|subject| subject.is_in(&word)).unwrap();
             let mut altered = healthy.clone();
@@ -238,4 +248,22 @@ fn without_an_orientation_mistakes_of_all_axes_are_one() {
     assert_eq!(same, ["ned-frd", "upside-down", "sensor-frd"]);
     assert!(!known("imu-conjugate").change.apply(&mut world, &subject));
     assert!(known("imu-ned-frd").change.apply(&mut world, &subject));
+}
+
+#[test]
+fn what_a_camera_s_axes_make_of_clouds_is_collected() {
+    let slices = |world: &World| -> Vec<Vec<[f64; 3]>> {
+        let topic = &world.bags.first().unwrap().topics["/points"];
+        let clouds = topic.content.clouds.as_ref().unwrap();
+        let slices = clouds.runs.iter().flatten();
+        slices.map(|slice| slice.points.clone()).collect()
+    };
+    let recipe = SCANNED.replace("duration_s: 40", "duration_s: 4");
+    let fault = known("cloud-z-forward");
+    let mut world = collected(&recipe, None);
+    let subject = fault.change.subjects(&world).remove(0);
+    assert!(fault.change.apply(&mut world, &subject));
+    let truth = slices(&collected(&recipe, Some(("lidar", "optical: true"))));
+    assert!(truth.len() > 20 && truth.iter().all(|points| points.len() > 10));
+    assert_eq!(slices(&world), truth);
 }

@@ -43,6 +43,12 @@ pub struct Lidar {
     /// x and y are expressed in each other's place.
     #[serde(default)]
     pub swapped: bool,
+    /// The cloud is expressed in the axes of a camera: x right, y down, z forward.
+    #[serde(default)]
+    pub optical: bool,
+    /// Multiplies the coordinates: 1000 for millimetres.
+    #[serde(default = "one")]
+    pub scale: f64,
     /// The axes that the cloud is expressed in, from those that the driver has: `told_from_driver`.
     #[serde(skip)]
     pub stated: Isometry3<f64>,
@@ -317,6 +323,10 @@ impl Lidar {
         if self.swapped {
             told = Vector3::new(told.y, told.x, told.z);
         }
+        if self.optical {
+            told = Vector3::new(-told.y, -told.z, told.x);
+        }
+        told *= self.scale;
         let told = self.stated.rotation * told + self.stated.translation.vector;
         Some(told + Vector3::from(self.offset))
     }

@@ -2,12 +2,11 @@
 
 mod sampling;
 
-use std::sync::Arc;
-
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
 use crate::world::cloud::{CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes};
 
+use super::super::CloudOptions;
 use super::super::point::{Point, PointOwner};
 use super::super::thin::SampleBudget;
 use super::slices::Slices;
@@ -34,8 +33,7 @@ struct CloudContent {
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
     share: SampleBudget,
-    /// Names of time fields that the user adds; they take precedence over the known ones.
-    time_fields: Arc<[String]>,
+    options: CloudOptions,
     count: u64,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
@@ -49,10 +47,9 @@ pub(super) struct Clouds {
 }
 
 impl Clouds {
-    pub(super) fn new(share: SampleBudget, time_fields: Arc<[String]>) -> Self {
+    pub(super) fn new(share: SampleBudget, options: CloudOptions) -> Self {
         Self {
             share,
-            time_fields,
             count: 0,
             layouts: Vec::new(),
             others: 0,
@@ -61,7 +58,8 @@ impl Clouds {
             kept: Vec::new(),
             stride: 1,
             farthest: None,
-            slices: Slices::new(share.runs),
+            slices: Slices::new(share.runs, options.has_optical),
+            options,
         }
     }
 
@@ -78,7 +76,7 @@ impl Clouds {
             self.cut += 1;
             self.first_cut.get_or_insert(point);
         }
-        self.slices.push(point, cloud, &self.time_fields);
+        self.slices.push(point, cloud, &self.options.time_fields);
         let [most, points] = self.share.clouds;
         if !index.is_multiple_of(self.stride) {
             return;
@@ -94,7 +92,7 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud, points, &self.time_fields) else {
+        let Some(sample) = sampled(cloud, points, &self.options.time_fields) else {
             return;
         };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
@@ -275,7 +273,7 @@ mod tests {
     }
 
     fn evidence<'c>(clouds: impl IntoIterator<Item = Cloud<'c>>) -> CloudEvidence {
-        let mut taken = Clouds::new(SampleBudget::of(0), Arc::from([]));
+        let mut taken = Clouds::new(SampleBudget::of(0), CloudOptions::default());
         for (index, cloud) in (0..).zip(clouds) {
             taken.push(at(index), &cloud);
         }

@@ -65,6 +65,7 @@ impl Lasers {
         self.runs.push(|| {
             let (points, after) = projected(scan);
             CloudSlice {
+                optical: None,
                 stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
                 log_ns: point.log_ns,
                 points,

@@ -18,12 +18,12 @@ pub(super) mod steps;
 mod times;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::radar::Columns;
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
+use super::CloudOptions;
 use super::point::{Point, PointOwner};
 use super::series::RowBudget;
 use super::thin::SampleBudget;
@@ -45,8 +45,7 @@ type ThreeDof = Covariances<3, 9>;
 /// The content of one topic; nothing is allocated for the rest.
 pub(super) struct Contents {
     share: SampleBudget,
-    /// Fields that hold the times of points, in addition to the known ones.
-    time_fields: Arc<[String]>,
+    of_clouds: CloudOptions,
     fixes: Option<Box<Fixes>>,
     imu: Option<Box<Inertial>>,
     odometry: Option<Box<Odometries>>,
@@ -62,10 +61,10 @@ pub(super) struct Contents {
 }
 
 impl Contents {
-    pub(super) fn new(share: SampleBudget, room: RowBudget, time_fields: Arc<[String]>) -> Self {
+    pub(super) fn new(share: SampleBudget, room: RowBudget, of_clouds: CloudOptions) -> Self {
         Self {
             share,
-            time_fields,
+            of_clouds,
             fixes: None,
             imu: None,
             odometry: None,
@@ -124,7 +123,7 @@ impl Contents {
             Body::Cloud(cloud) => {
                 let share = self.share;
                 self.clouds
-                    .get_or_insert_with(|| Box::new(Clouds::new(share, Arc::clone(&self.time_fields))))
+                    .get_or_insert_with(|| Box::new(Clouds::new(share, self.of_clouds.clone())))
                     .push(point, cloud);
                 if let Some(columns) = Columns::of(cloud) {
                     self.radar(point).cloud(point, cloud, &columns);

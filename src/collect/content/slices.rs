@@ -1,44 +1,54 @@
 //! Runs of neighbouring clouds of one topic, each cut near the plane of its x and y.
 
+use std::sync::Arc;
+
 use crate::read::messages::cloud::{Cloud, Column};
-use crate::world::cloud::{CloudSlice, PlaneCut, RUN_CLOUDS};
+use crate::world::cloud::{CloudSlice, PlaneCut, PlanePoints, RUN_CLOUDS, optical};
 
 use super::super::point::Point;
 use super::runs::Runs;
 use super::times::time_of;
 
 /// Takes in clouds in recording order.
-pub(super) struct Slices(Runs<CloudSlice>);
+pub(super) struct Slices {
+    runs: Runs<CloudSlice>,
+    has_optical: bool,
+}
 
 impl Slices {
-    pub(super) fn new(most: usize) -> Self {
-        Self(Runs::new(most, RUN_CLOUDS))
+    pub(super) fn new(most: usize, has_optical: bool) -> Self {
+        Self {
+            runs: Runs::new(most, RUN_CLOUDS),
+            has_optical,
+        }
     }
 
     /// Clouds were left out here.
     pub(super) fn seam(&mut self) {
-        self.0.seam();
+        self.runs.seam();
     }
 
     pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>, time_fields: &[String]) {
-        self.0.push(|| {
-            let (points, after) = slice(cloud, time_fields).unwrap_or_default();
+        let has_optical = self.has_optical;
+        self.runs.push(|| {
+            let (points, after) = slice(cloud, time_fields, |point| point).unwrap_or_default();
             CloudSlice {
                 stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
                 log_ns: point.log_ns,
                 points,
                 after,
+                optical: has_optical.then(|| Arc::new(slice(cloud, time_fields, optical).unwrap_or_default())),
             }
         });
     }
 
     pub(super) fn finish(self) -> Vec<Vec<CloudSlice>> {
-        self.0.finish(2)
+        self.runs.finish(2)
     }
 }
 
-/// The nearest points of a cloud in each direction, and their times; `None` where its points have no coordinates.
-fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
+/// The nearest points of a cloud in each direction, in other axes, and their times; `None` where its points have no coordinates.
+fn slice(cloud: &Cloud<'_>, time_fields: &[String], expressed: fn([f64; 3]) -> [f64; 3]) -> Option<PlanePoints> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = time_of(cloud, time_fields).map(|(_, column)| column);
     let mut cut = PlaneCut::default();
@@ -48,7 +58,9 @@ fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Ve
             let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
                 break;
             };
-            cut.push([x, y, z], || time.and_then(|time| time.of(bytes)).unwrap_or(f64::NAN));
+            cut.push(expressed([x, y, z]), || {
+                time.and_then(|time| time.of(bytes)).unwrap_or(f64::NAN)
+            });
         }
     }
     Some(cut.finish())
@@ -105,7 +117,7 @@ mod tests {
             [0.0, -4.0, 0.0],
         ];
         let data = bytes(&points);
-        let (kept, after) = slice(&cloud(&data, 8), &[]).unwrap();
+        let (kept, after) = slice(&cloud(&data, 8), &[], |point| point).unwrap();
         assert!(after.is_empty());
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
         assert_eq!(kept.len(), 3);
@@ -119,7 +131,7 @@ mod tests {
     fn runs_follow_each_other_and_are_thinned_evenly() {
         let data = bytes(&[[3.0, 0.0, 0.0]]);
         let cloud = cloud(&data, 1);
-        let mut slices = Slices::new(4);
+        let mut slices = Slices::new(4, false);
         for index in 0..100 {
             slices.push(at(index), &cloud, &[]);
         }
@@ -135,7 +147,7 @@ mod tests {
     fn a_seam_ends_a_run() {
         let data = bytes(&[[3.0, 0.0, 0.0]]);
         let cloud = cloud(&data, 1);
-        let mut slices = Slices::new(4);
+        let mut slices = Slices::new(4, false);
         for index in [0, 1, 2, 50, 51, 52] {
             if index == 50 {
                 slices.seam();
