@@ -4,6 +4,8 @@
 //! bootstrapped parts no part is there twice, so no row follows one that it did not follow, and most of the evidence that a rule needs
 //! stays.
 
+use std::sync::Arc;
+
 use crate::world::World;
 use crate::world::bag::BagEvidence;
 use crate::world::content::ContentEvidence;
@@ -55,7 +57,7 @@ fn thin(bag: &mut BagEvidence, is_kept: &dyn Fn(i64) -> bool) {
         topic.stamps.samples.retain(|(_, log_ns)| is_kept(*log_ns));
         let members = topic.members.values_mut().map(|member| &mut member.content);
         for content in members.chain([&mut topic.content]) {
-            thin_content(content, is_kept);
+            thin_content(Arc::make_mut(content), is_kept);
         }
     }
     for edge in &mut bag.tf {

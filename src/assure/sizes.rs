@@ -1,10 +1,12 @@
 //! The smallest error that would have been found: by search on copies of the drive, and of the drive without each of its parts.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::faults::motion::{Rotations, pace};
 use crate::faults::{SizedFault, Subject};
-use crate::verdict::{Bound, Measured, Verdict};
+use crate::verdict::{Bound, Measured, Row, Verdict};
 use crate::world::World;
 
 use super::base::Base;
@@ -75,13 +77,15 @@ pub(super) fn smallest(
     let (pace, rotations) = (pace(base.world), Rotations::of(base.world));
     let errors = searches.into_par_iter().map(|(fault, subject)| {
         let of_sign = |sign: f64| {
-            let search = Search {
+            let mut search = Search {
                 base,
                 parts: &parts,
                 fault,
                 subject: &subject,
                 sign,
+                touched: fault.seen_by.codes().collect(),
             };
+            search.touched = search.touched();
             search.run()
         };
         // One sign that is found at no size decides.
@@ -139,6 +143,8 @@ struct Search<'s> {
     subject: &'s Subject,
     /// The sign of the sizes.
     sign: f64,
+    /// The rules that should see it and whose rows depend on it: only these are judged.
+    touched: BTreeSet<&'static str>,
 }
 
 /// The rule and the subject of a finding.
@@ -146,7 +152,7 @@ type By = (String, String);
 
 impl Search<'_> {
     fn run(&self) -> Result<FoundSize, Miss> {
-        if self.is_unread() {
+        if self.touched.is_empty() {
             return Err(self.miss());
         }
         let Some((whole, by)) = self.smallest() else {
@@ -191,15 +197,26 @@ impl Search<'_> {
         }
     }
 
-    /// Whether no row depends on it.
-    fn is_unread(&self) -> bool {
+    /// The rules whose rows depend on it, and those that fail without it: they may explain what others find.
+    fn touched(&self) -> BTreeSet<&'static str> {
         let healthy = self.base.healthy(self.fault.seen_by);
         let [_, largest] = self.fault.range;
-        let is_same = |size: f64| {
-            let altered = self.judged(self.base, size);
-            altered.is_none_or(|altered| altered.rows == healthy.verdict.rows)
+        let altered = [self.middle(), largest].map(|size| self.judged(self.base, size));
+        let rows_of = |verdict: &Verdict, code: &str| -> Vec<Row> {
+            let rows = verdict.rows.iter().filter(|row| row.rule == code);
+            rows.cloned().collect()
         };
-        is_same(self.middle()) && is_same(largest)
+        let is_touched = |code: &&str| {
+            let before = rows_of(&healthy.verdict, code);
+            let mut altered = altered.iter().flatten();
+            altered.any(|altered| rows_of(altered, code) != before)
+        };
+        let mut touched: BTreeSet<&str> = self.fault.seen_by.codes().filter(is_touched).collect();
+        if !touched.is_empty() {
+            let fails = |code: &&str| healthy.verdict.findings.iter().any(|finding| finding.rule == *code);
+            touched.extend(self.fault.seen_by.codes().filter(fails));
+        }
+        touched
     }
 
     /// The middle of the sizes, by their logarithms.
@@ -208,14 +225,18 @@ impl Search<'_> {
         (smallest * largest).sqrt()
     }
 
-    /// A copy with the mistake, judged by the rules that should see it; none if nothing changes.
+    /// A copy with the mistake, judged by the rules that it touches; none if nothing changes.
     fn judged(&self, base: &Base, size: f64) -> Option<Verdict> {
+        let world = self.altered(base, size)?;
+        Some(base.rules.judge(&world, &|code| self.touched.contains(code)))
+    }
+
+    /// A copy with the mistake; none if nothing changes.
+    fn altered(&self, base: &Base, size: f64) -> Option<World> {
         let mut world: World = base.world.clone();
-        if !self.fault.apply(&mut world, self.subject, self.sign * size) {
-            return None;
-        }
+        let has_changed = self.fault.apply(&mut world, self.subject, self.sign * size);
         world.forget();
-        Some(base.judge(&world, self.fault.seen_by))
+        has_changed.then_some(world)
     }
 
     /// What finds the mistake with this size: any rule, or this one.
@@ -292,13 +313,17 @@ impl Search<'_> {
 
     /// Why no size is found: what the rules say of a mistake of a middle size.
     fn miss(&self) -> Miss {
-        let Some(altered) = self.judged(self.base, self.middle()) else {
+        let seen_by = self.fault.seen_by;
+        let altered = self
+            .altered(self.base, self.middle())
+            .map(|world| self.base.judge(&world, seen_by));
+        let Some(altered) = altered else {
             return Miss {
                 reason: "it changes nothing here".to_owned(),
                 record: self.fault.record.to_owned(),
             };
         };
-        let healthy = self.base.healthy(self.fault.seen_by);
+        let healthy = self.base.healthy(seen_by);
         let verdicts = [&healthy.verdict, &altered];
         Miss::of(
             self.base.world,

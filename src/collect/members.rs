@@ -104,7 +104,7 @@ impl Members {
                 header_frames: one.frames.finish(on),
                 child_frames: one.children.finish(on),
                 first: Some(one.first.on(on)),
-                content: one.contents.finish(on),
+                content: one.contents.finish(on).into(),
             };
             (field.to_string(), evidence)
         };

@@ -216,7 +216,7 @@ impl Topic {
             header_frames: self.frames.finish((&name).into()),
             child_frames: self.children.finish((&name).into()),
             stamps: self.stamps.finish(&name),
-            content: self.contents.finish((&name).into()),
+            content: self.contents.finish((&name).into()).into(),
             members: self.members.finish(&name),
             topic: name,
         }

@@ -222,7 +222,11 @@ mod tests {
         let verdicts = [(0, verdict)];
         let before = plan.sampling().unwrap();
         assert!(plan.widen(&[world()], &verdicts));
-        assert_eq!(plan.sampling().unwrap().bytes, before.bytes * u64::from(WIDENING));
+        // Longer windows, not more of them: what lacks evidence lacks a turn.
+        let after = plan.sampling().unwrap();
+        assert_eq!(after.bytes, before.bytes * u64::from(WIDENING));
+        assert_eq!(after.windows, before.windows);
+        assert!((after.seconds - before.seconds * f64::from(WIDENING)).abs() < 1e-9);
         assert!(!plan.widen(&[world()], &verdicts));
     }
 

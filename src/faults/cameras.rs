@@ -98,7 +98,7 @@ impl Change for Intrinsics {
                 for (name, other) in &mut bag.topics {
                     if name == topic {
                         let calibrations = other
-                            .content
+                            .content_mut()
                             .calibrations
                             .iter_mut()
                             .flat_map(|all| &mut all.calibrations);
@@ -124,7 +124,12 @@ fn namespace(topic: &str) -> &str {
 
 fn shrink(topic: &mut TopicEvidence, by: u32) -> bool {
     let mut has_changed = false;
-    for form in topic.content.images.iter_mut().flat_map(|images| &mut images.forms) {
+    for form in topic
+        .content_mut()
+        .images
+        .iter_mut()
+        .flat_map(|images| &mut images.forms)
+    {
         form.size = form.size.map(|pixels| pixels / by.max(1));
         has_changed = true;
     }
@@ -228,7 +233,7 @@ impl Change for Stereo {
             Self::Swapped => left_of(topic).is_some_and(|left| swap(world, *bag, [&left, topic])),
             Self::Scaled(factor) => {
                 let topic = world.bags.get_mut(*bag).and_then(|bag| bag.topics.get_mut(topic));
-                let calibrations = topic.and_then(|topic| topic.content.calibrations.as_mut());
+                let calibrations = topic.and_then(|topic| topic.content_mut().calibrations.as_mut());
                 let calibrations = calibrations.into_iter().flat_map(|all| &mut all.calibrations);
                 let mut has_changed = false;
                 for tx in calibrations.filter_map(|calibration| calibration.camera.p.get_mut(3)) {

@@ -70,7 +70,7 @@ fn of_an_ouster(world: &World, _: &TopicEvidence, clouds: &CloudEvidence) -> boo
 
 /// Expresses the points in other axes with the same plane of x and y, or the same turned over.
 fn turned(topic: &mut TopicEvidence, axes: fn([f64; 3]) -> [f64; 3]) -> bool {
-    let Some(clouds) = &mut topic.content.clouds else {
+    let Some(clouds) = &mut topic.content_mut().clouds else {
         return false;
     };
     let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
@@ -88,7 +88,7 @@ fn turned(topic: &mut TopicEvidence, axes: fn([f64; 3]) -> [f64; 3]) -> bool {
 
 /// Expresses the points in the axes of a camera.
 fn forward(topic: &mut TopicEvidence) -> bool {
-    let Some(clouds) = &mut topic.content.clouds else {
+    let Some(clouds) = &mut topic.content_mut().clouds else {
         return false;
     };
     let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
@@ -114,7 +114,7 @@ fn is_of(sample: &CloudSample, slice: &CloudSlice) -> bool {
 
 /// Expresses the points in another unit of length.
 fn scaled(topic: &mut TopicEvidence, factor: f64) -> bool {
-    let Some(clouds) = &mut topic.content.clouds else {
+    let Some(clouds) = &mut topic.content_mut().clouds else {
         return false;
     };
     let points = clouds.samples.iter_mut().flat_map(|sample| &mut sample.points);
@@ -129,7 +129,7 @@ fn scaled(topic: &mut TopicEvidence, factor: f64) -> bool {
 
 /// Leaves out the times of the points, and the field that holds them.
 fn untimed(topic: &mut TopicEvidence) -> bool {
-    let Some(clouds) = &mut topic.content.clouds else {
+    let Some(clouds) = &mut topic.content_mut().clouds else {
         return false;
     };
     let times = clouds.samples.iter_mut().filter_map(|sample| sample.times.take());
@@ -149,7 +149,7 @@ fn retimed(
     time: impl Fn(f64, &PointTimes) -> f64,
     of_slice: impl Fn(f64, f64, &PointTimes) -> f64,
 ) -> bool {
-    let Some(clouds) = &mut topic.content.clouds else {
+    let Some(clouds) = &mut topic.content_mut().clouds else {
         return false;
     };
     let mut known = None;

@@ -250,7 +250,7 @@ pub(super) fn is_of_a_sensor(topic: &TopicEvidence) -> bool {
         lasers,
         radar,
         ..
-    } = &topic.content;
+    } = &*topic.content;
     fixes.is_some()
         || imu.is_some()
         || calibrations.is_some()

@@ -1,6 +1,7 @@
 //! Evidence of recordings: bounded measurements, no messages.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -118,8 +119,8 @@ pub struct TopicEvidence {
     pub child_frames: BTreeMap<FrameId, HeaderFrame>,
     /// Header stamps.
     pub stamps: StampEvidence,
-    /// The content of the messages beyond their header.
-    pub content: ContentEvidence,
+    /// The content of the messages beyond their header; copies of a world share what they do not change.
+    pub content: Arc<ContentEvidence>,
     /// Parts of messages that are not of a standard type, with the content of a standard type: by field
     /// (`imu`), or the fields it is made of (`lat, lon, alt`).
     #[serde(default)]
@@ -138,7 +139,7 @@ pub struct MemberEvidence {
     /// First message that carries it.
     pub first: Option<MessageRef>,
     /// Its content beyond its header.
-    pub content: ContentEvidence,
+    pub content: Arc<ContentEvidence>,
 }
 
 /// The content of a topic's messages beyond their header: of the messages themselves, or of a member.
@@ -205,6 +206,11 @@ impl TopicEvidence {
             content: &member.content,
         });
         std::iter::once(whole).chain(members)
+    }
+
+    /// The content, to be changed in this copy of the topic only.
+    pub fn content_mut(&mut self) -> &mut ContentEvidence {
+        Arc::make_mut(&mut self.content)
     }
 
     /// Whether the recording has messages of the topic that were not read.

@@ -6,7 +6,8 @@
 
 use std::collections::BTreeSet;
 
-use frames_lint::engine::{self, Options, Rules};
+use frames_lint::assure::TrialOutcome;
+use frames_lint::engine::{self, Extent, Options, Rules};
 use frames_lint::faults::motion::{Stream, change_imu};
 use frames_lint::faults::{self, Family, Fault, Selection, Subject};
 use frames_lint::world::{Facts, World};
@@ -266,4 +267,54 @@ fn what_a_camera_s_axes_make_of_clouds_is_collected() {
     let truth = slices(&collected(&recipe, Some(("lidar", "optical: true"))));
     assert!(truth.len() > 20 && truth.iter().all(|points| points.len() > 10));
     assert_eq!(slices(&world), truth);
+}
+
+#[test]
+fn what_only_the_unread_part_hides_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.mcap");
+    let recipe = "
+duration_s: 240
+chunk_size_bytes: 20000
+drive: {vehicle: car, motion: turning, seed: 2}
+topics:
+  - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: base_link}
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+  - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: base_link}
+";
+    support::write(recipe, &path);
+    let tried = |extent: Extent| {
+        let run = engine::check(&Options {
+            paths: vec![path.clone()],
+            assure: Some(Selection::of(&["fix-swapped"])),
+            extent,
+            ..Options::default()
+        });
+        let trials = run.unwrap().assurance.unwrap().trials;
+        let trial = trials.first().unwrap();
+        (trial.outcome, trial.miss.as_ref().map(|miss| miss.record.clone()))
+    };
+    let full = Extent {
+        full: true,
+        ..Extent::default()
+    };
+    assert_eq!(tried(full), (TrialOutcome::Named, None));
+    let short = Extent {
+        bytes: Some(200_000),
+        windows: Some(5),
+        ..Extent::default()
+    };
+    let (outcome, record) = tried(short);
+    assert_eq!(outcome, TrialOutcome::Missed);
+    let record = record.unwrap();
+    assert!(
+        record.starts_with("read the whole recording with --full, for AXES07 lacks evidence in the part that was read"),
+        "{record}"
+    );
+    // Left to itself it reads on until the rule has what it needs.
+    let enough = Extent {
+        bytes: Some(200_000),
+        ..Extent::default()
+    };
+    assert_eq!(tried(enough).0, TrialOutcome::Named);
 }

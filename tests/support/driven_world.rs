@@ -215,7 +215,7 @@ impl Recording {
             topic: topic.to_owned(),
             message_type: message_type.to_owned(),
             count: count as u64,
-            content,
+            content: content.into(),
             ..TopicEvidence::default()
         };
         evidence.stamps.first = Some(at.clone());

@@ -1,5 +1,7 @@
 //! Mistakes in the stamps of messages.
 
+use std::sync::Arc;
+
 use crate::faults::mountings::is_of_a_sensor;
 use crate::faults::{Change, Subject, SubjectPlace};
 use crate::source::MessageRef;
@@ -126,9 +128,9 @@ fn rows<T>(series: &mut Series<T>) -> impl Iterator<Item = &mut T> {
 fn change_times(topic: &mut TopicEvidence, change: impl Fn(&mut i64, &mut i64)) {
     let members = topic.members.values_mut();
     let mut frames: Vec<&mut MessageRef> = Vec::new();
-    let mut contents: Vec<&mut ContentEvidence> = vec![&mut topic.content];
+    let mut contents: Vec<&mut ContentEvidence> = vec![Arc::make_mut(&mut topic.content)];
     for member in members {
-        contents.push(&mut member.content);
+        contents.push(Arc::make_mut(&mut member.content));
         let used = member
             .header_frames
             .values_mut()
@@ -226,7 +228,7 @@ fn clear(topic: &mut TopicEvidence) {
     (stamps.first_repeated, stamps.median_step_ns) = (None, None);
     // Steps between messages without a stamp are not taken.
     let members = topic.members.values_mut().map(|member| &mut member.content);
-    for content in members.chain([&mut topic.content]) {
+    for content in members.chain([&mut topic.content]).map(Arc::make_mut) {
         if let Some(imu) = &mut content.imu {
             imu.turned_rad = 0.0;
         }

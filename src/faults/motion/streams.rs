@@ -1,6 +1,7 @@
 //! The streams of a recording that a mistake can be put into: what one driver publishes.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::faults::{Family, Subject, SubjectPlace};
 use crate::world::bag::{BagEvidence, TfEdge, TopicContent, TopicEvidence};
@@ -153,8 +154,8 @@ impl Stream {
             };
             let topic = bag.topics.get(topic)?;
             match field {
-                None => Some(&topic.content),
-                Some(field) => topic.members.get(field).map(|member| &member.content),
+                None => Some(&*topic.content),
+                Some(field) => topic.members.get(field).map(|member| &*member.content),
             }
         });
         topics.collect()
@@ -174,7 +175,7 @@ impl Stream {
                 None => topic.map(|topic| &mut topic.content),
                 Some(field) => topic.and_then(|topic| Some(&mut topic.members.get_mut(field)?.content)),
             };
-            content.into_iter().for_each(&mut change);
+            content.map(Arc::make_mut).into_iter().for_each(&mut change);
         }
     }
 
