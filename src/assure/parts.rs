@@ -4,8 +4,6 @@
 //! bootstrapped parts no part is there twice, so no row follows one that it did not follow, and most of the evidence that a rule needs
 //! stays.
 
-use std::sync::Arc;
-
 use crate::world::World;
 use crate::world::bag::BagEvidence;
 use crate::world::content::ContentEvidence;
@@ -55,10 +53,7 @@ fn without(world: &World, part: i64) -> World {
 fn thin(bag: &mut BagEvidence, is_kept: &dyn Fn(i64) -> bool) {
     for topic in bag.topics.values_mut() {
         topic.stamps.samples.retain(|(_, log_ns)| is_kept(*log_ns));
-        let members = topic.members.values_mut().map(|member| &mut member.content);
-        for content in members.chain([&mut topic.content]) {
-            thin_content(Arc::make_mut(content), is_kept);
-        }
+        topic.contents_mut().for_each(|content| thin_content(content, is_kept));
     }
     for edge in &mut bag.tf {
         if let Some(motion) = &mut edge.motion {

@@ -1,5 +1,6 @@
 //! The smallest error that would have been found: by search on copies of the drive, and of the drive without each of its parts.
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
@@ -77,15 +78,14 @@ pub(super) fn smallest(
     let (pace, rotations) = (pace(base.world), Rotations::of(base.world));
     let errors = searches.into_par_iter().map(|(fault, subject)| {
         let of_sign = |sign: f64| {
-            let mut search = Search {
+            let search = Search {
                 base,
                 parts: &parts,
                 fault,
                 subject: &subject,
                 sign,
-                touched: fault.seen_by.codes().collect(),
+                touched: OnceCell::new(),
             };
-            search.touched = search.touched();
             search.run()
         };
         // One sign that is found at no size decides.
@@ -136,6 +136,11 @@ fn narrowed([mut below, mut size]: [f64; 2], mut is_found: impl FnMut(f64) -> bo
     size
 }
 
+/// What a rule says of each of its subjects.
+fn rows_of<'v>(verdict: &'v Verdict, code: &str) -> impl Iterator<Item = &'v Row> {
+    verdict.rows.iter().filter(move |row| row.rule == code)
+}
+
 struct Search<'s> {
     base: &'s Base<'s>,
     parts: &'s [Base<'s>],
@@ -143,8 +148,8 @@ struct Search<'s> {
     subject: &'s Subject,
     /// The sign of the sizes.
     sign: f64,
-    /// The rules that should see it and whose rows depend on it: only these are judged.
-    touched: BTreeSet<&'static str>,
+    /// See [`Search::touched`].
+    touched: OnceCell<BTreeSet<&'static str>>,
 }
 
 /// The rule and the subject of a finding.
@@ -152,7 +157,7 @@ type By = (String, String);
 
 impl Search<'_> {
     fn run(&self) -> Result<FoundSize, Miss> {
-        if self.touched.is_empty() {
+        if self.touched().is_empty() {
             return Err(self.miss());
         }
         let Some((whole, by)) = self.smallest() else {
@@ -197,26 +202,24 @@ impl Search<'_> {
         }
     }
 
-    /// The rules whose rows depend on it, and those that fail without it: they may explain what others find.
-    fn touched(&self) -> BTreeSet<&'static str> {
-        let healthy = self.base.healthy(self.fault.seen_by);
-        let [_, largest] = self.fault.range;
-        let altered = [self.middle(), largest].map(|size| self.judged(self.base, size));
-        let rows_of = |verdict: &Verdict, code: &str| -> Vec<Row> {
-            let rows = verdict.rows.iter().filter(|row| row.rule == code);
-            rows.cloned().collect()
-        };
-        let is_touched = |code: &&str| {
-            let before = rows_of(&healthy.verdict, code);
-            let mut altered = altered.iter().flatten();
-            altered.any(|altered| rows_of(altered, code) != before)
-        };
-        let mut touched: BTreeSet<&str> = self.fault.seen_by.codes().filter(is_touched).collect();
-        if !touched.is_empty() {
-            let fails = |code: &&str| healthy.verdict.findings.iter().any(|finding| finding.rule == *code);
-            touched.extend(self.fault.seen_by.codes().filter(fails));
-        }
-        touched
+    /// The rules that should see it and whose rows depend on it, with those that fail without it: these may explain what others find.
+    /// Only they are judged while its size is searched. None if no row depends on it.
+    fn touched(&self) -> &BTreeSet<&'static str> {
+        self.touched.get_or_init(|| {
+            let healthy = self.base.healthy(self.fault.seen_by);
+            let [_, largest] = self.fault.range;
+            let altered = [self.middle(), largest].map(|size| self.judged_by_all(size));
+            let is_touched = |code: &&str| {
+                let mut altered = altered.iter().flatten();
+                altered.any(|altered| !rows_of(altered, code).eq(rows_of(&healthy.verdict, code)))
+            };
+            let mut touched: BTreeSet<&str> = self.fault.seen_by.codes().filter(is_touched).collect();
+            if !touched.is_empty() {
+                let fails = |code: &&str| healthy.verdict.findings.iter().any(|finding| finding.rule == *code);
+                touched.extend(self.fault.seen_by.codes().filter(fails));
+            }
+            touched
+        })
     }
 
     /// The middle of the sizes, by their logarithms.
@@ -228,7 +231,13 @@ impl Search<'_> {
     /// A copy with the mistake, judged by the rules that it touches; none if nothing changes.
     fn judged(&self, base: &Base, size: f64) -> Option<Verdict> {
         let world = self.altered(base, size)?;
-        Some(base.rules.judge(&world, &|code| self.touched.contains(code)))
+        Some(base.rules.judge(&world, &|code| self.touched().contains(code)))
+    }
+
+    /// The whole drive with the mistake, judged by the rules that should see it; none if nothing changes.
+    fn judged_by_all(&self, size: f64) -> Option<Verdict> {
+        let world = self.altered(self.base, size)?;
+        Some(self.base.judge(&world, self.fault.seen_by))
     }
 
     /// A copy with the mistake; none if nothing changes.
@@ -313,17 +322,13 @@ impl Search<'_> {
 
     /// Why no size is found: what the rules say of a mistake of a middle size.
     fn miss(&self) -> Miss {
-        let seen_by = self.fault.seen_by;
-        let altered = self
-            .altered(self.base, self.middle())
-            .map(|world| self.base.judge(&world, seen_by));
-        let Some(altered) = altered else {
+        let Some(altered) = self.judged_by_all(self.middle()) else {
             return Miss {
                 reason: "it changes nothing here".to_owned(),
                 record: self.fault.record.to_owned(),
             };
         };
-        let healthy = self.base.healthy(seen_by);
+        let healthy = self.base.healthy(self.fault.seen_by);
         let verdicts = [&healthy.verdict, &altered];
         Miss::of(
             self.base.world,

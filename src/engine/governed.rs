@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use globset::GlobMatcher;
 
+use crate::collect::CloudOptions;
 use crate::config::{self, Config};
 use crate::policy::Force;
 use crate::read::allowed::AllowedFolders;
@@ -201,11 +202,14 @@ impl Configurations {
         self.at(at).config.as_ref().map_or_else(Arc::default, Config::tables)
     }
 
-    /// Fields with the times of points, from the users' lidar drivers.
-    pub(super) fn time_fields(&self) -> Arc<[String]> {
+    /// How clouds are kept: with the fields of times from the users' lidar drivers, and with what mistakes need where they are tried.
+    pub(super) fn clouds(&self, options: &Options) -> CloudOptions {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         let fields: BTreeSet<String> = configs.flat_map(|config| config.time_fields().to_vec()).collect();
-        fields.into_iter().collect()
+        CloudOptions {
+            time_fields: fields.into_iter().collect(),
+            has_optical: self.each().any(|one| one.assures(options)),
+        }
     }
 
     /// The rules that run anywhere, once each.

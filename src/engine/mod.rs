@@ -27,7 +27,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::assure::RuleRunner;
-use crate::collect::{CloudOptions, CollectOptions};
+use crate::collect::CollectOptions;
 use crate::config::Config;
 use crate::progress::Progress;
 use crate::read::allowed::AllowedFolders;
@@ -468,10 +468,7 @@ impl<'a> ReadContext<'a> {
         let recordings = CollectOptions {
             sampling: plan.sampling(),
             definitions: Arc::clone(&self.setup.definitions),
-            clouds: CloudOptions {
-                time_fields: governed.time_fields(),
-                has_optical: governed.each().any(|one| one.assures(self.setup.options)),
-            },
+            clouds: governed.clouds(self.setup.options),
             ..CollectOptions::default()
         };
         let readings = gather::gather(

@@ -213,6 +213,12 @@ impl TopicEvidence {
         Arc::make_mut(&mut self.content)
     }
 
+    /// The content of its members, then its own, to be changed in this copy of the topic only.
+    pub fn contents_mut(&mut self) -> impl Iterator<Item = &mut ContentEvidence> {
+        let members = self.members.values_mut().map(|member| &mut member.content);
+        members.chain([&mut self.content]).map(Arc::make_mut)
+    }
+
     /// Whether the recording has messages of the topic that were not read.
     pub fn has_more(&self) -> bool {
         self.total.is_some_and(|total| total > self.count)

@@ -5,8 +5,10 @@ use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::math::constants::optical_inverse;
 use crate::source::MessageRef;
 
 /// Different layouts of one topic that are kept.
@@ -83,8 +85,8 @@ pub struct CloudSlice {
 pub type PlanePoints = (Vec<[f64; 3]>, Vec<f64>);
 
 /// A point in the axes of a camera (x right, y down, z forward) from x forward, y left, z up: REP-103.
-pub fn optical([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [-y, -z, x]
+pub fn optical(point: [f64; 3]) -> [f64; 3] {
+    (optical_inverse() * Vector3::from(point)).into()
 }
 
 /// Directions of a slice.

@@ -227,8 +227,7 @@ fn clear(topic: &mut TopicEvidence) {
     (stamps.largest_backward, stamps.largest_gap) = (None, None);
     (stamps.first_repeated, stamps.median_step_ns) = (None, None);
     // Steps between messages without a stamp are not taken.
-    let members = topic.members.values_mut().map(|member| &mut member.content);
-    for content in members.chain([&mut topic.content]).map(Arc::make_mut) {
+    for content in topic.contents_mut() {
         if let Some(imu) = &mut content.imu {
             imu.turned_rad = 0.0;
         }
