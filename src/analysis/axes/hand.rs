@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::analysis::Estimates;
 use crate::analysis::axes::handedness::{Limits, Votes};
 use crate::analysis::motion::{Stream, Track};
 use crate::math::stats::median;
@@ -17,8 +18,8 @@ pub(crate) struct Hand {
 }
 
 /// Whether a track is the mirror image of the GNSS track; `None` if there is too little evidence.
-pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Option<Hand> {
-    let votes = Votes::of(&fixes.track(), track, min_minor_m(fixes, limits), limits);
+pub(crate) fn hand(world: &Estimates, fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Option<Hand> {
+    let votes = Votes::of(world, &fixes.track(), track, min_minor_m(fixes, limits), limits);
     Some(Hand {
         is_mirrored: votes.majority(limits)?,
         measured: Measured::new("share of the stretches that say the same", votes.agreement(), "1")

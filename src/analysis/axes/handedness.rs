@@ -2,9 +2,13 @@
 //!
 //! Must not judge.
 
+use std::hash::Hasher;
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use serde::Deserialize;
 
+use crate::analysis::estimates::{Estimates, InputHasher, hash_numbers};
 use crate::analysis::motion::Track;
 use crate::math::drifting::{aligned_drifting, fit_drifting};
 use crate::math::similarity2::{path_length, spread};
@@ -51,7 +55,28 @@ struct PositionPair {
 
 impl Votes {
     /// Fits the odometry to the GNSS track; `min_minor_m` is its minimum spread across its main direction.
-    pub(crate) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
+    pub(crate) fn of(
+        world: &Estimates,
+        satellites: &Track,
+        odometry: &Track,
+        min_minor_m: f64,
+        limits: &Limits,
+    ) -> Arc<Self> {
+        let numbers = |hasher: &mut InputHasher| {
+            hasher.write(format!("{limits:?}").as_bytes());
+            hash_numbers(hasher, [min_minor_m]);
+            for track in [satellites, odometry] {
+                hasher.write_usize(track.stretches.len());
+                for stretch in &track.stretches {
+                    hasher.write_usize(stretch.len());
+                    hash_numbers(hasher, stretch.iter().flat_map(|(t_s, place)| [*t_s, place.x, place.y]));
+                }
+            }
+        };
+        world.shared(numbers, || Self::counted(satellites, odometry, min_minor_m, limits))
+    }
+
+    fn counted(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
         let mut found = Self::default();
         let mut rms = Fits::default();
         let mut at = odometry.follow();

@@ -43,9 +43,12 @@ const DOWN: f64 = -0.5;
 /// The order of angles that the quaternions of a sensor are composed in, if the gyro shows one.
 pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option<GyroOrder> {
     let mut tried: Vec<(Order, Turns, f64)> = candidates()
-        .filter(|order| !contradicts_gravity(oriented(imu, *order)))
         .filter_map(|order| {
-            let turns = turns(&corrected(imu, order), &Options::new(WINDOW_S))?;
+            let rows = corrected(imu, order);
+            if contradicts_gravity(oriented(imu, &rows)) {
+                return None;
+            }
+            let turns = turns(&rows, &Options::new(WINDOW_S))?;
             let residual = turns.score(Reading::Xyzw)?.residual;
             residual.is_finite().then_some((order, turns, residual))
         })
@@ -102,9 +105,9 @@ fn in_order_of_ros(published: [f64; 4], order: Order) -> Option<UnitQuaternion<f
 }
 
 /// Recomposed rotations of a sensor, with the acceleration.
-fn oriented(imu: &Imu, order: Order) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> + '_ {
-    imu.stream.rows().filter_map(move |timed| {
-        let rotation = in_order_of_ros(timed.row.orientation, order)?;
+fn oriented<'r>(imu: &'r Imu, rows: &'r [Vec<Row>]) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> + 'r {
+    imu.stream.rows().zip(rows.iter().flatten()).filter_map(|(timed, row)| {
+        let rotation = Reading::Xyzw.world_from_body(row.slots)?;
         Some((rotation, Vector3::from(timed.row.linear_acceleration)))
     })
 }

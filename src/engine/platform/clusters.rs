@@ -8,7 +8,7 @@
 //! to the one whose frames it names most; if that is not unique, to the one that its own name or folder names; if that is not unique, to the
 //! one whose transforms it states; else it is judged with each of them, and its source has a note. A folder beside a robot's folder that
 //! contains the same kinds of files (statements, recordings) is of another platform. Without any robot, platforms form around the folders of
-//! recordings; without recordings, each folder is one.
+//! recordings; without recordings, each folder is one, with its parts: folders that packages keep one kind of file in (`launch`, `config`).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::analysis::cross::fit::Fit;
 use crate::source::SourceId;
 use crate::world::{FrameId, FrameRole, Robot, World};
 
-use super::{Member, is_robot, world};
+use super::{Member, is_robot, packages, world};
 
 /// Members of each world, and notes on how they were joined.
 #[derive(Default)]
@@ -316,7 +316,8 @@ fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path
     clusters.members.retain(|members| !members.is_empty());
     let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
     for unit in alone {
-        folders.entry(unit.dir).or_default().extend(unit.members);
+        let whole = packages::whole_of(&unit.dir, root);
+        folders.entry(whole).or_default().extend(unit.members);
     }
     clusters.members.extend(folders.into_values());
     clusters

@@ -93,6 +93,29 @@ const STATED: &[(&str, &str, Confidence)] = &[
     ("to_frame", "from_frame", Confidence::Hint),
 ];
 
+/// Keys by which a mapping states the frame in which it is expressed, without one for its own.
+const PARENTS: &[&str] = &["parent", "parent_frame", "parent_frame_id", "parent_link"];
+
+/// The frames of a mapping that states its parent and is named itself: by one of its keys (`frame`, `name`), or by its own key
+/// (`camera_left_link: {parent: base_link, xyz: ..., rpy: ...}`).
+pub(super) fn below_parent(node: &Node, key: Option<&Node>) -> Option<NamedFrames> {
+    let parent = PARENTS.iter().find_map(|key| node.get(key))?;
+    let by_frame = SENSOR_FRAMES.iter().find_map(|key| node.get(key));
+    let child = by_frame.or_else(|| node.get("name")).or(key)?;
+    Some(NamedFrames {
+        frames: (frame_name(parent)?, frame_name(child)?),
+        places: (parent.span, child.span),
+        reading: Confidence::Likely,
+        role: if by_frame.is_some() {
+            FrameRole::Calibration
+        } else {
+            FrameRole::CalibrationLabel
+        },
+        is_role: false,
+        is_contradicted: false,
+    })
+}
+
 /// The name of a frame.
 pub(super) fn frame_name(node: &Node) -> Option<String> {
     let text = node.text()?.trim();

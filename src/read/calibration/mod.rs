@@ -1,7 +1,7 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
 //! Owns the two entry points and the messages about how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` knows spellings, `origins`, `ouster` and `references` find what they are named after, `walk` and `generic` make claims, `dialect` knows formats,
+//! `names` and `numbers` recognise, `shapes` knows spellings, `origins`, `ouster`, `parameters` and `references` find what they are named after, `walk` and `generic` make claims, `dialect` knows formats,
 //! `leftovers` finds what was not read.
 
 mod cameras;
@@ -15,6 +15,7 @@ mod names;
 mod numbers;
 mod origins;
 pub mod ouster;
+mod parameters;
 pub(crate) mod plain;
 mod projections;
 mod references;
@@ -153,6 +154,7 @@ fn read_text(
         facts.origins.extend(origins::collect(root, source.id));
         facts.ousters.extend(ouster::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
+        facts.frames.extend(parameters::collect(root, source.id));
         let (camera, faults) = cameras::collect(root, source.id, text);
         facts.cameras.extend(camera);
         problems.extend(faults);

@@ -11,7 +11,7 @@ use crate::world::{Claim, ClaimKind, DeclaredChain, Doubt, Facts, FrameId, Frame
 
 use super::dialect::{self, TableEntry, Terms, TermsSource};
 use super::document::Node;
-use super::frames::{BASE_FRAMES, NamedFrames, SENSOR_FRAMES, beside, frame_name, settled, stated};
+use super::frames::{BASE_FRAMES, NamedFrames, SENSOR_FRAMES, below_parent, beside, frame_name, settled, stated};
 use super::names;
 use super::numbers;
 use super::shapes::Draft;
@@ -185,7 +185,7 @@ impl<'a> Walk<'a> {
     /// inside out as long as the keys on the way name no frames themselves.
     pub(super) fn named(&self) -> Option<NamedFrames> {
         for (at, step) in self.path.iter().enumerate().rev() {
-            if let Some(named) = stated(step.node) {
+            if let Some(named) = stated(step.node).or_else(|| below_parent(step.node, step.key)) {
                 return Some(named);
             }
             let Some(key) = step.key else { continue };
@@ -331,7 +331,8 @@ impl<'a> Walk<'a> {
         }
         // In a list of several, a name such as `T_cam_imu` does not say which camera.
         let is_label = !roles && named.is_some_and(|n| n.role == FrameRole::CalibrationLabel);
-        if is_label && self.in_list_of_several() {
+        let is_one_name = named.is_some_and(|n| n.places.0 == n.places.1);
+        if is_label && is_one_name && self.in_list_of_several() {
             reading = Confidence::Hint;
         }
         let place = |span: Span| Place::text(self.source, span);

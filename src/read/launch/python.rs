@@ -107,7 +107,7 @@ impl<'t> Script<'t> {
         if program.as_deref() == Some(PROGRAM) {
             let arguments = self.keyword(call, "arguments");
             let name = plain("name").or_else(|| plain("node_name"));
-            self.each_site(call, calls, |bound| {
+            self.each_site(call, calls, |bound, when| {
                 let words = arguments
                     .map(|node| words(self.value(node, bound, 0)))
                     .unwrap_or_default();
@@ -115,7 +115,7 @@ impl<'t> Script<'t> {
                     name: name.clone().filter(|_| bound.is_empty()),
                     package: package.clone(),
                     is_ros2: Some(true),
-                    when: self.when(call),
+                    when,
                     words,
                     span: span(call),
                 });
@@ -130,7 +130,7 @@ impl<'t> Script<'t> {
         let Some(command) = self.keyword(call, "cmd") else {
             return;
         };
-        self.each_site(call, calls, |bound| {
+        self.each_site(call, calls, |bound, when| {
             let words = words(self.value(command, bound, 0));
             let Some(at) = words.iter().position(|word| word.text == PROGRAM) else {
                 return;
@@ -139,57 +139,106 @@ impl<'t> Script<'t> {
                 name: None,
                 package: words.get(at.wrapping_sub(1)).map(|word| word.text.clone()),
                 is_ros2: Some(true),
-                when: self.when(call),
+                when,
                 words: words.get(at + 1..).unwrap_or_default().to_vec(),
                 span: span(call),
             });
         });
     }
 
-    /// Runs `made` once, or once for each call of the function around, with its parameters bound.
-    fn each_site(&self, call: Node<'t>, calls: &[Node<'t>], mut made: impl FnMut(&Bindings)) {
+    /// Runs `made` once, or once for each call of the function around, with its parameters bound, and for each item of the loops around; and
+    /// says when that call of a publisher runs.
+    fn each_site(&self, call: Node<'t>, calls: &[Node<'t>], mut made: impl FnMut(&Bindings, CallCondition)) {
         let function = around(call, &["function_definition"]);
         let parameters = function.and_then(|function| function.child_by_field_name("parameters"));
         let parameters = parameters.map(children).unwrap_or_default();
         let name = function.and_then(|function| function.child_by_field_name("name"));
         let name = name.map_or("", |name| text(name, self.source));
-        let sites: Vec<Node<'t>> = calls
+        let sites = calls
             .iter()
             .copied()
-            .filter(|site| !parameters.is_empty() && self.called(*site) == name)
-            .take(MAX_SITES)
-            .collect();
-        for site in &sites {
-            let bound = parameters.iter().enumerate().filter_map(|(index, parameter)| {
-                let name = parameter.child_by_field_name("name").unwrap_or(*parameter);
-                let name = text(name, self.source);
-                let given = self.argument(*site, index, name);
-                let value = given.or_else(|| parameter.child_by_field_name("value"))?;
-                Some((name.to_owned(), self.value(value, &Bindings::new(), 0)))
-            });
-            made(&bound.collect());
+            .filter(|site| !parameters.is_empty() && self.called(*site) == name);
+        let mut bindings: Vec<(Bindings, bool)> = Vec::new();
+        for site in sites.take(MAX_SITES) {
+            for (outer, is_known) in self.looped(site, Bindings::new()) {
+                let bound = parameters.iter().enumerate().filter_map(|(index, parameter)| {
+                    let name = parameter.child_by_field_name("name").unwrap_or(*parameter);
+                    let name = text(name, self.source);
+                    let given = self
+                        .argument(site, index, name)
+                        .map(|given| self.value(given, &outer, 0));
+                    let default = || Some(self.value(parameter.child_by_field_name("value")?, &Bindings::new(), 0));
+                    Some((name.to_owned(), given.or_else(default)?))
+                });
+                bindings.push((bound.collect(), is_known));
+            }
         }
-        if sites.is_empty() {
-            made(&Bindings::new());
+        if bindings.is_empty() {
+            bindings.push((Bindings::new(), true));
+        }
+        let is_branch = around(call, &["if_statement", "conditional_expression", "if_clause"]).is_some();
+        let is_branch = is_branch || self.keyword(call, "condition").is_some();
+        let each = bindings.into_iter().flat_map(|(bound, is_known)| {
+            let inner = self.looped(call, bound).into_iter();
+            inner.map(move |(bound, is_item)| (bound, is_known && is_item))
+        });
+        for (bound, is_known) in each.take(MAX_SITES) {
+            let when = if is_branch || !is_known {
+                CallCondition::Perhaps
+            } else {
+                CallCondition::Always
+            };
+            made(&bound, when);
         }
     }
 
-    /// With an `if` around it, or `condition=` in it, it is not known whether it runs.
-    fn when(&self, call: Node<'t>) -> CallCondition {
-        let is_branch = around(
-            call,
-            &[
-                "if_statement",
-                "conditional_expression",
-                "for_statement",
-                "list_comprehension",
-            ],
-        );
-        if is_branch.is_some() || self.keyword(call, "condition").is_some() {
-            CallCondition::Perhaps
-        } else {
-            CallCondition::Always
+    /// The names bound by the loops around a node within its function, for each item, outer loops first; and whether all items are known.
+    fn looped(&self, node: Node<'t>, bound: Bindings) -> Vec<(Bindings, bool)> {
+        let mut loops = Vec::new();
+        let mut at = node.parent();
+        while let Some(parent) = at.filter(|parent| parent.kind() != "function_definition") {
+            loops.push(parent);
+            at = parent.parent();
         }
+        let mut all = vec![(bound, true)];
+        for around in loops.into_iter().rev() {
+            for (names, items) in clauses(around) {
+                let each = all
+                    .into_iter()
+                    .flat_map(|(bound, is_known)| match self.value(items, &bound, 0) {
+                        Value::List(items) => {
+                            let with = |item| (self.with(&bound, names, item), is_known);
+                            items.into_iter().map(with).collect()
+                        }
+                        _ => vec![(bound, false)],
+                    });
+                all = each.take(MAX_SITES).collect();
+            }
+            // Which items a condition leaves out is not known.
+            if children(around).iter().any(|part| part.kind() == "if_clause") {
+                for (_, is_known) in &mut all {
+                    *is_known = false;
+                }
+            }
+        }
+        all
+    }
+
+    /// Names bound to an item: one, or several to its parts.
+    fn with(&self, bound: &Bindings, names: Node<'t>, item: Value) -> Bindings {
+        let mut bound = bound.clone();
+        match (names.kind(), item) {
+            ("identifier", item) => {
+                bound.insert(text(names, self.source).to_owned(), item);
+            }
+            (_, Value::List(parts)) => {
+                for (name, part) in children(names).into_iter().zip(parts) {
+                    bound = self.with(&bound, name, part);
+                }
+            }
+            _ => {}
+        }
+        bound
     }
 
     fn settings(&self, call: Node<'t>, name: String, found: &mut LaunchFacts) {
@@ -218,6 +267,20 @@ impl<'t> Script<'t> {
         }
         found.facts.localizations.extend(settings::of(name, values));
     }
+}
+
+/// What a loop, or a comprehension, binds: names, and the items.
+fn clauses(node: Node<'_>) -> Vec<(Node<'_>, Node<'_>)> {
+    let parts = match node.kind() {
+        "for_statement" => vec![node],
+        "list_comprehension" | "generator_expression" | "set_comprehension" => children(node),
+        _ => return Vec::new(),
+    };
+    let of = |part: Node<'_>| matches!(part.kind(), "for_statement" | "for_in_clause");
+    let parts = parts.into_iter().filter(|part| of(*part));
+    parts
+        .filter_map(|part| Some((part.child_by_field_name("left")?, part.child_by_field_name("right")?)))
+        .collect()
 }
 
 /// The nearest enclosing node of one of these kinds.

@@ -156,6 +156,40 @@ fn conditions_are_followed_as_far_as_defaults_tell() {
 }
 
 #[test]
+fn tables_of_python_are_followed_through_loops_and_comprehensions() {
+    let publish = "Node(package='tf2_ros', executable='static_transform_publisher',";
+    let looped = format!(
+        "MOUNTS = {{'imu': [('0.4', 0, 1.1), 'base_link'], 'gnss': [('0.8', 0, 2.9), 'base_link']}}\n\
+         nodes = []\n\
+         for name, (xyz, parent) in MOUNTS.items():\n    \
+         nodes.append({publish} arguments=['--x', xyz[0], '--z', str(xyz[-1]), '--frame-id', parent, '--child-frame-id', name + '_link']))\n"
+    );
+    let comprehended = format!(
+        "TABLE = [['0.4', '0', '1.1', '0', '0', '0', 'base_link', 'imu_link'], ['0.8', '0', '2.9', '0', '0', '0', 'base_link', 'gnss_link']]\n\
+         nodes = [{publish} arguments=[str(word) for word in row]) for row in TABLE]\n"
+    );
+    let helper = format!(
+        "def still(child, xyz):\n    \
+         return {publish} arguments=['--x', str(xyz[0]), '--z', str(xyz[2]), '--frame-id', 'base_link', '--child-frame-id', child])\n\
+         nodes = [still(child, xyz) for child, xyz in (('imu_link', (0.4, 0, 1.1)), ('gnss_link', (0.8, 0, 2.9)))]\n"
+    );
+    for text in [looped, comprehended, helper] {
+        let stated = all("a.launch.py", &text);
+        let starts = [
+            "base_link from imu_link [0.4, 0.0, 1.1]",
+            "base_link from gnss_link [0.8, 0.0, 2.9]",
+        ];
+        let is_each = starts
+            .iter()
+            .zip(&stated)
+            .all(|(start, claim)| claim.starts_with(start) && claim.contains("Certain"));
+        assert!(stated.len() == 2 && is_each, "{text}{stated:?}");
+    }
+    let unknown = format!("nodes = [{publish} arguments=row) for row in read('table.csv')]\n");
+    assert!(all("a.launch.py", &unknown).is_empty());
+}
+
+#[test]
 fn functions_of_python_that_make_nodes_are_followed_to_their_calls() {
     let text = "import math\n\ndef tf(x, yaw, parent, child='laser'):\n    return Node(package='tf2_ros', executable='static_transform_publisher',\n        arguments=['--x', str(x), '--yaw', str(yaw), '--frame-id', parent, '--child-frame-id', child])\n\nD = LaunchDescription([tf(1., -math.pi / 2, 'base'), tf(2, math.radians(90), f'{\"base\"}', child='camera')])\n";
     assert_eq!(

@@ -35,10 +35,10 @@ impl Rule for GnssVsOdomHandedness {
                         out.not_applicable(subject, why);
                         continue;
                     }
-                    let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
+                    let votes = Votes::of(world, &satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
                     out.plot(&subject, || plot(poses, fixes, &satellites, &votes, limits));
-                    let swapped = swapped(poses, fixes, exchanged, &votes, minor_m, limits);
+                    let swapped = swapped(world, poses, fixes, exchanged, &votes, minor_m, limits);
                     // With z down every track is mirrored; and a simulator's poses may be left-handed.
                     let frame = poses.frame.as_ref().filter(|frame| worlds.is_off(index, Some(frame)));
                     let better = |finding: Finding| {
@@ -195,6 +195,7 @@ fn unexplained(
 /// A finding, if the tracks match once latitude and longitude are swapped back, and as published match neither rotated nor, by far,
 /// mirrored. A track with swapped coordinates is mirrored and stretched: away from the equator neither fit matches it.
 pub(crate) fn swapped<'t>(
+    world: &Estimates,
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
     exchanged: impl FnOnce() -> Option<&'t Track>,
@@ -206,7 +207,7 @@ pub(crate) fn swapped<'t>(
     if votes.windows == 0 || votes.majority(limits) == Some(false) {
         return None;
     }
-    let votes = Votes::of(exchanged()?, &poses.track(), minor_m, limits);
+    let votes = Votes::of(world, exchanged()?, &poses.track(), minor_m, limits);
     if votes.majority(limits) != Some(false) {
         return None;
     }

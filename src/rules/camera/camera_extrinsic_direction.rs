@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::analysis::names;
 use crate::rules::prelude::*;
@@ -18,6 +18,8 @@ pub(crate) struct Limits {
     off_m: f64,
     off_deg: f64,
     away_m: f64,
+    upright_deg: f64,
+    tilted_deg: f64,
 }
 
 /// What a name in a file can mean.
@@ -160,6 +162,79 @@ fn digits(name: &FrameId) -> Option<String> {
     (!digits.is_empty()).then_some(digits)
 }
 
+/// How far y of a camera's image is from down in a lidar's axes (z up), as written and after inversion, degrees. `None` for other pairs: axes
+/// of IMUs vary, a body may be one (`T_B_C`), and links of cameras have no optical axes.
+fn tilts_deg((target, source): (&FrameId, &FrameId), stated: &Isometry3<f64>) -> Option<[f64; 2]> {
+    let is_link = |name: &FrameId| name.has_token("link");
+    let is_target = match [target, source].map(Kind::of) {
+        [Some(Kind::Camera), Some(Kind::Lidar)] if !is_link(target) => true,
+        [Some(Kind::Lidar), Some(Kind::Camera)] if !is_link(source) => false,
+        _ => return None,
+    };
+    let other_from_camera = if is_target {
+        stated.rotation.inverse()
+    } else {
+        stated.rotation
+    };
+    let tilt = |other_from_camera: UnitQuaternion<f64>| {
+        let y = other_from_camera * Vector3::y();
+        y.angle(&-Vector3::z()).to_degrees()
+    };
+    Some([tilt(other_from_camera), tilt(other_from_camera.inverse())])
+}
+
+/// Without a robot, by what is up: a camera stands upright as written, or only after inversion.
+fn judge_tilt(
+    claim: &Claim,
+    subject: String,
+    (target, source): (&FrameId, &FrameId),
+    [as_read, inverse]: [f64; 2],
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let measured = [
+        Measured::new("tilt as written", as_read, "deg").limit(limits.upright_deg),
+        Measured::new("tilt after inversion", inverse, "deg").limit(limits.upright_deg),
+    ];
+    if as_read <= limits.upright_deg {
+        return out.pass(subject, measured);
+    }
+    if inverse > limits.upright_deg || as_read < limits.tilted_deg {
+        let why = format!(
+            "no robot is described, and the camera is tilted by {as_read:.0} deg as written, {inverse:.0} deg inverted (at most {} deg needed)",
+            limits.upright_deg
+        );
+        return out.too_little(subject, why);
+    }
+    let message = format!(
+        "`{}` is inverted: as written the camera is tilted by {as_read:.0} deg, inverted it stands upright",
+        claim.label
+    );
+    let upright = if Kind::of(target) == Some(Kind::Camera) {
+        source
+    } else {
+        target
+    };
+    let detail = format!("y of a camera's image points down, z of `{upright}` up.");
+    out.fail(
+        inverted(claim, subject, message, (target, source))
+            .detail(detail)
+            .measured(measured),
+    );
+}
+
+/// The finding that a stated transform takes points the other way.
+fn inverted(claim: &Claim, subject: String, message: String, (target, source): (&FrameId, &FrameId)) -> Finding {
+    Finding::warning(subject, message, claim.place.clone())
+        .confidence(claim.reading.min(Confidence::Likely))
+        .relation("inverse")
+        .unless_relation(codes::CROSS02)
+        .unless_relation(codes::CROSS07)
+        .help(format!(
+            "invert the transform, so that points are taken from `{source}` to `{target}`; or exchange the names of the two frames"
+        ))
+}
+
 fn judge_claim(
     (world, of_robot): (&World, &RobotFrames),
     claim: &Claim,
@@ -177,7 +252,13 @@ fn judge_claim(
     }
     let (of_target, of_source) = match (of_robot.meant(target), of_robot.meant(source)) {
         (Ok(target), Ok(source)) => (target, source),
-        (Err(why), _) | (_, Err(why)) => return out.missing(subject, why),
+        (Err(why), _) | (_, Err(why)) => {
+            let is_alone = is_named && of_robot.frames.is_empty();
+            return match tilts_deg((target, source), stated).filter(|_| is_alone) {
+                Some(tilts) => judge_tilt(claim, subject, (target, source), tilts, limits, out),
+                None => out.missing(subject, why),
+            };
+        }
     };
     let Some(known) = graph.rigid().between(&of_target, &of_source) else {
         return out.missing(
@@ -232,23 +313,19 @@ fn judge_claim(
                     format!("`{frame}` (`{name}` in the file)")
                 }
             };
-            let finding = Finding::warning(subject, message, claim.place.clone())
-                .confidence(claim.reading.min(Confidence::Likely))
-                .relation("inverse")
-                .unless_relation(codes::CROSS02)
-                .unless_relation(codes::CROSS07)
-                .detail(format!(
-                    "URDF and TF of the robot take points from {} to {} by a transform that is {:.2} m and {:.1} deg from the inverse of \
-                     the stated one.",
-                    named(&of_source, source),
-                    named(&of_target, target),
-                    inverse.0,
-                    inverse.1
-                ))
-                .help(format!(
-                    "invert the transform, so that points are taken from `{source}` to `{target}`; or exchange the names of the two frames"
-                ));
-            out.fail(finding.measured(measured));
+            let detail = format!(
+                "URDF and TF of the robot take points from {} to {} by a transform that is {:.2} m and {:.1} deg from the inverse of \
+                 the stated one.",
+                named(&of_source, source),
+                named(&of_target, target),
+                inverse.0,
+                inverse.1
+            );
+            out.fail(
+                inverted(claim, subject, message, (target, source))
+                    .detail(detail)
+                    .measured(measured),
+            );
         }
     }
 }

@@ -34,7 +34,7 @@ impl Rule for LeftHandedSimulator {
             let of_world = bag.poses.iter().filter(|poses| poses.is_of_world());
             for poses in of_world.filter(|poses| !poses.is_earth_centred()) {
                 let track = poses.track();
-                let mut handed = by_satellites(bag, &track, &tracks);
+                let mut handed = by_satellites(world, bag, &track, &tracks);
                 handed.extend(by_gyros(&imus, &track, &turns));
                 judge_track(poses, simulator, handed, out);
             }
@@ -42,9 +42,9 @@ impl Rule for LeftHandedSimulator {
     }
 }
 
-fn by_satellites(bag: &BagMotion, track: &Track, limits: &handedness::Limits) -> Vec<Handedness> {
+fn by_satellites(world: &Estimates, bag: &BagMotion, track: &Track, limits: &handedness::Limits) -> Vec<Handedness> {
     let measure = |fixes: &Stream<FixRow>| {
-        let hand = hand::hand(fixes, track, limits)?;
+        let hand = hand::hand(world, fixes, track, limits)?;
         Some(Handedness {
             is_left_handed: hand.is_mirrored,
             words: format!("the poses are a mirror image of the GNSS track on `{}`", fixes.topic),

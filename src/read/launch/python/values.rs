@@ -17,6 +17,8 @@ const MAX_DEPTH: usize = 16;
 pub(super) enum Value {
     Text(Word),
     List(Vec<Value>),
+    /// Pairs of keys and values.
+    Table(Vec<(Value, Value)>),
 }
 
 /// Names that are bound at the place of an expression.
@@ -55,7 +57,54 @@ impl<'t> Script<'t> {
             "string" | "concatenated_string" => self.string(node, bound, depth),
             "list" | "tuple" => {
                 let items = children(node).into_iter().filter(|item| item.kind() != "comment");
-                Some(Value::List(items.map(of).collect()))
+                let each = items.flat_map(|item| match item.kind() {
+                    "list_splat" => match children(item).first().map(|inner| of(*inner)) {
+                        Some(Value::List(items)) => items,
+                        other => other.into_iter().collect(),
+                    },
+                    _ => vec![of(item)],
+                });
+                Some(Value::List(each.collect()))
+            }
+            "dictionary" => {
+                let pairs = children(node).into_iter().filter(|pair| pair.kind() == "pair");
+                let pair = |pair: Node<'t>| {
+                    Some((
+                        of(pair.child_by_field_name("key")?),
+                        of(pair.child_by_field_name("value")?),
+                    ))
+                };
+                Some(Value::Table(pairs.filter_map(pair).collect()))
+            }
+            "list_comprehension" | "generator_expression" => {
+                let body = node.child_by_field_name("body")?;
+                let [(names, items)] = *super::clauses(node) else {
+                    return None;
+                };
+                let Value::List(items) = of(items) else { return None };
+                let of_item = |item| self.value(body, &self.with(bound, names, item), depth + 1);
+                Some(Value::List(items.into_iter().map(of_item).collect()))
+            }
+            "subscript" => {
+                let Value::Text(at) = of(node.child_by_field_name("subscript")?) else {
+                    return None;
+                };
+                match of(node.child_by_field_name("value")?) {
+                    Value::List(items) => {
+                        let at: isize = at.text.parse().ok()?;
+                        let at = if at < 0 {
+                            items.len().checked_add_signed(at)?
+                        } else {
+                            at.unsigned_abs()
+                        };
+                        items.into_iter().nth(at)
+                    }
+                    Value::Table(pairs) => {
+                        let is_it = |(key, _): &(Value, Value)| matches!(key, Value::Text(key) if key.text == at.text);
+                        Some(pairs.into_iter().find(is_it)?.1)
+                    }
+                    Value::Text(_) => None,
+                }
             }
             "parenthesized_expression" => Some(of(*children(node).first()?)),
             "identifier" => {
@@ -128,6 +177,19 @@ impl<'t> Script<'t> {
         match self.called(node) {
             "str" | "float" | "int" | "repr" => first(),
             "radians" | "deg2rad" => degrees(),
+            "map" => Some(self.value(self.argument(node, 1, "")?, bound, depth + 1)),
+            "items" | "values" | "keys" => {
+                let object = node.child_by_field_name("function")?.child_by_field_name("object")?;
+                let Value::Table(pairs) = self.value(object, bound, depth + 1) else {
+                    return None;
+                };
+                let part = |(key, value)| match self.called(node) {
+                    "items" => Value::List(vec![key, value]),
+                    "keys" => key,
+                    _ => value,
+                };
+                Some(Value::List(pairs.into_iter().map(part).collect()))
+            }
             "TextSubstitution" => Some(self.value(self.argument(node, 0, "text")?, bound, depth + 1)),
             "LaunchConfiguration" => {
                 let Value::Text(name) =
@@ -141,7 +203,7 @@ impl<'t> Script<'t> {
                         is_default: true,
                         ..word
                     }),
-                    list @ Value::List(_) => list,
+                    other => other,
                 })
             }
             // `'0 0 0 0 0 0 map odom'.split()`
@@ -223,6 +285,7 @@ pub(super) fn words(value: Value) -> Vec<Word> {
     match value {
         Value::Text(word) => vec![word],
         Value::List(items) => items.into_iter().filter_map(word).collect(),
+        Value::Table(_) => Vec::new(),
     }
 }
 
@@ -235,5 +298,6 @@ fn word(item: Value) -> Option<Word> {
             is_open: one.is_open || other.is_open,
             is_default: one.is_default || other.is_default,
         }),
+        Value::Table(_) => None,
     }
 }
