@@ -65,6 +65,7 @@ macro_rules! registry {
                 AXES13 => base_frame_flu::BaseFrameFlu,
                 AXES14 => map_z_up::MapZUp,
                 AXES15 => radar_doppler::RadarDoppler,
+                AXES16 => imu_mounting::ImuMountingRotation,
             }
             #[doc = "QUAT: the order and the algebra of quaternions, and the angles that they are computed from."]
             quat {
@@ -149,6 +150,7 @@ macro_rules! registry {
                 CROSS05 => hand_eye::HandEyeCalibration,
                 CROSS06 => urdf_tf_topology::UrdfTfTopology,
                 CROSS07 => frame_aliases::FrameAliases,
+                CROSS08 => poses_vs_tf::PosesVsTf,
             }
             #[doc = "CONFIG: what launch files and parameters pass to programs that publish or move frames."]
             config {

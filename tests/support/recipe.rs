@@ -86,9 +86,9 @@
 //!   mount that TF does not know), `euler_xyz`, `left_handed`
 //! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `cm_s2`, `gravity_sign`,
 //!   `gravity_removed`, `no_orientation`
-//! - pose, odometry: `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
+//! - pose, odometry: `inverse`; `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
 //!   origin's easting and northing), `utm`, `ecef`, `lat_lon_degrees`, `altitude_as_z`
-//! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_swapped`, `twist_yaw_negated`,
+//! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_z_negated`, `twist_swapped`, `twist_yaw_negated`,
 //!   `twist_covariance_in_world`
 //! - fix, gps_fix, custom_gps: `swapped`, `msl`, `radians`, `e7`, `float32`; gnss_velocity: `ned_frd`, `swap_xy`,
 //!   `twist_in_body`, `twist_reversed`

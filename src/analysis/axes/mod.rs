@@ -10,6 +10,7 @@ pub(crate) mod gyro_vs_track;
 pub(crate) mod hand;
 pub(crate) mod handedness;
 pub(crate) mod heading;
+pub(crate) mod imu_mounting;
 pub(crate) mod plots;
 pub(crate) mod push;
 pub(crate) mod rates;

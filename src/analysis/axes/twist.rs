@@ -19,6 +19,8 @@ pub(crate) enum Reading {
     Backwards,
     /// In the child frame, y to the right.
     RightHand,
+    /// In the child frame, z down.
+    Down,
     /// In the child frame, x and y swapped.
     Swapped,
     /// In the child frame, with the inverse orientation.
@@ -31,11 +33,12 @@ pub(crate) enum Reading {
     PositionSwapped,
 }
 
-const READINGS: [Reading; 9] = [
+const READINGS: [Reading; 10] = [
     Reading::Body,
     Reading::World,
     Reading::Backwards,
     Reading::RightHand,
+    Reading::Down,
     Reading::Swapped,
     Reading::Inverse,
     Reading::PositionY,
@@ -50,6 +53,7 @@ impl Reading {
             Self::World => "header-frame",
             Self::Backwards => "negated",
             Self::RightHand => "y-negated",
+            Self::Down => "z-negated",
             Self::Swapped => "xy-swapped",
             Self::Inverse => "inverse",
             Self::PositionY | Self::PositionX | Self::PositionSwapped => "mirrored",
@@ -71,6 +75,7 @@ impl Reading {
             Self::World => format!("velocity is expressed in {header}, not in {child}"),
             Self::Backwards => "velocity is opposite to the motion of the pose (x and y negated)".to_owned(),
             Self::RightHand => format!("velocity has y to the right in {child}"),
+            Self::Down => format!("velocity has z down in {child}"),
             Self::Swapped => format!("velocity has x and y swapped in {child}"),
             Self::Inverse => "orientation is inverted (child_from_header, or JPL)".to_owned(),
             Self::PositionY => "position is mirrored (y negated)".to_owned(),
@@ -89,6 +94,7 @@ impl Reading {
                  `twist.linear.x` is positive, add 180 deg to the yaw of the pose"
             }
             Self::RightHand => "negate y of the velocity: y points to the left (REP-103)",
+            Self::Down => "negate z of the velocity: z points up (REP-103)",
             Self::Swapped => {
                 "drive forward, which is along x (REP-103):\n(1) if `twist.linear.y` is the larger part, swap x and y of the \
                  velocity\n(2) if `twist.linear.x` is the larger part, correct the yaw of the pose by 90 deg"
@@ -107,6 +113,7 @@ impl Reading {
             Self::World => *v,
             Self::Backwards => -(orientation * v),
             Self::RightHand => orientation * Vector3::new(v.x, -v.y, v.z),
+            Self::Down => orientation * Vector3::new(v.x, v.y, -v.z),
             Self::Swapped => orientation * Vector3::new(v.y, v.x, v.z),
             Self::Inverse => orientation.inverse() * v,
             Self::PositionY => (orientation * v).component_mul(&Vector3::new(1.0, -1.0, 1.0)),
@@ -211,9 +218,15 @@ impl Twists {
         }
     }
 
-    /// The readings that the velocity can distinguish, the best first: motion along x alone has no sign of y.
+    /// The readings that the velocity can distinguish, the best first: motion along x alone has no sign of y, and most motion none of z.
     pub(crate) fn readings(&self, least_aside: f64) -> Vec<(Reading, f64)> {
-        let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
+        let as_defined = self.residual(Reading::Body);
+        let has_sign = |(reading, residual): &&(Reading, f64)| match reading {
+            Reading::RightHand => self.aside >= least_aside,
+            // Negating z moves the prediction by twice the vertical part.
+            Reading::Down => as_defined - residual >= least_aside,
+            _ => true,
+        };
         let of_twist = |(reading, _): &&(Reading, f64)| !reading.is_of_pose();
         self.residuals
             .iter()

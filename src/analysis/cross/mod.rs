@@ -3,6 +3,7 @@
 pub(crate) mod aliases;
 pub(crate) mod angles;
 pub(crate) mod blame;
+pub(crate) mod common_motion;
 pub(crate) mod direction;
 pub(crate) mod exact;
 pub(crate) mod fit;

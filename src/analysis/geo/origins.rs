@@ -206,7 +206,9 @@ fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64,
     let fit = overlay.fit(limits.max_scale, 1.0)?;
     let (angle_sd, scale_sd) = deviations(&xy, &enu, limits.blocks)?;
     let far_m = xy.iter().map(Vector2::norm).fold(0.0, f64::max);
+    let receiver_rad = overlay.receiver_deviation(limits.errors_last_s, limits.untold_m);
     let is_sound = overlay.extent_m() >= limits.min_extent_m
+        && far_m * receiver_rad <= limits.track_m
         && overlay.both.len() >= limits.min_points
         && far_m <= limits.local_m
         && fit.rms_m <= limits.track_m;
@@ -214,10 +216,7 @@ fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64,
     (is_sound && within_m <= limits.track_m).then_some((
         overlay.origin(&fit)?,
         within_m,
-        (
-            fit.angle_rad,
-            angle_sd.hypot(overlay.receiver_deviation(limits.errors_last_s, limits.untold_m)),
-        ),
+        (fit.angle_rad, angle_sd.hypot(receiver_rad)),
     ))
 }
 

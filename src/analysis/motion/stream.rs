@@ -36,6 +36,8 @@ pub(crate) struct Stream<R> {
     pub(crate) subject: String,
     /// Whether only the names of plain fields identify it.
     pub(crate) guessed: bool,
+    /// Whether it is a moving transform of TF.
+    pub(crate) is_transform: bool,
     /// The frame that the data are expressed in (header frame, or parent), canonical; `None` if the headers name none or
     /// several.
     pub(crate) frame: Option<FrameId>,
@@ -78,6 +80,7 @@ impl<R: Row> Stream<R> {
                 .map_or_else(|| said.topic.message_type.clone(), |_| String::new()),
             subject: said.subject(),
             guessed: said.guessed,
+            is_transform: false,
             frame: only(said.header_frames),
             child: only(said.child_frames),
             stamp_offset_s,
@@ -244,6 +247,7 @@ impl Stream<PoseRow> {
             message_type: String::new(),
             subject: edge_subject(edge),
             guessed: false,
+            is_transform: true,
             frame: Some(parent),
             child: Some(child),
             stamp_offset_s,

@@ -190,6 +190,10 @@ pub(crate) struct Limits {
     pub constant_m: f64,
     /// Change of the correction above which it counts as moving, degrees.
     pub constant_deg: f64,
+    /// How long a correction that moved before may stand still beside poses that move away, seconds.
+    pub held_s: f64,
+    /// How far these may move away, metres.
+    pub held_m: f64,
     /// Drift of odometry that needs a correction, metres.
     pub(crate) drift_m: f64,
     /// The same, as a share of the path.

@@ -3,6 +3,7 @@
 pub(crate) mod corrections;
 pub(crate) mod drift;
 pub(crate) mod footprint;
+pub(crate) mod held;
 pub(crate) mod latched;
 pub(crate) mod lookups;
 pub(crate) mod loops;

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::analysis::geo::apart::{between, direction, position_text};
 use crate::analysis::geo::origins::{Limits, origins};
-use crate::math::geoid::undulation_m;
+use crate::math::{geodesy::Geodetic, geoid::undulation_m};
 use crate::rules::prelude::*;
 use crate::source::Confidence;
 use crate::world::{EarthOrigin, LocalOrigin, OriginSource, World};
@@ -98,6 +98,9 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
     let excused_m = reference.within_m + other.within_m + if by_track { limits.track_m } else { 0.0 };
     let (warning_m, error_m) = (limits.warning_m.max(excused_m), limits.error_m.max(excused_m));
     let measured = Measured::new("distance of the two origins", distance_m, "m").limit(warning_m);
+    if distance_m > limits.site_m && is_exchanged(reference, other, limits) {
+        return out.fail(exchanged(reference, other, subject).measured(measured));
+    }
     let two_drives = reference.bag.is_some() && other.bag.is_some() && reference.bag != other.bag;
     if two_drives && distance_m > limits.site_m {
         let why = format!(
@@ -184,6 +187,30 @@ fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limit
         finding = finding.relation("origin-changed");
     }
     out.fail(finding.measured(measured));
+}
+
+/// Whether the two are one place if latitude and longitude of one of them are exchanged.
+fn is_exchanged(reference: &LocalOrigin, other: &LocalOrigin, limits: &Limits) -> bool {
+    let (latitude, longitude) = (other.at.latitude_rad, other.at.longitude_rad);
+    let read = Geodetic::from_degrees(longitude.to_degrees(), latitude.to_degrees(), other.at.height_m);
+    read.is_some_and(|at| between(reference, &LocalOrigin { at, ..other.clone() }).norm() <= limits.site_m)
+}
+
+fn exchanged(reference: &LocalOrigin, other: &LocalOrigin, subject: String) -> Finding {
+    let message = format!(
+        "{} and {} are one place with latitude and longitude exchanged in one of them",
+        reference.who, other.who
+    );
+    let [one, two] = [reference, other].map(position_text);
+    Finding::error(subject, message, other.place.clone())
+        .confidence(other.reading.min(reference.reading).min(Confidence::Likely))
+        .relation("lat-lon-swapped")
+        .related(reference.place.clone(), "the first origin")
+        .label("the second origin")
+        .detail(format!(
+            "As latitude and longitude, the first is {one}, the second {two}."
+        ))
+        .help("decide by a map which of the two is on the site, and exchange the two numbers in the other")
 }
 
 /// The undulation of the geoid, where it explains the whole difference.

@@ -2,6 +2,7 @@
 
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::tree::drift::{Limits, drift};
+use crate::analysis::tree::held::Held;
 use crate::analysis::{names::Standard, tf, tf::BagFrameUse};
 use crate::rules::prelude::*;
 use crate::source::MessageRef;
@@ -55,10 +56,14 @@ fn judge_odom(
     let Some(edge) = correction else {
         return without_map(bag, odom, subject, out);
     };
-    if moves {
-        return out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]);
-    }
     let map = edge.parent.canonical();
+    if moves {
+        let same = [limits.constant_deg.to_radians(), limits.constant_m];
+        return match Held::of(motion, odom, &map, same).filter(|held| is_left_behind(held, limits)) {
+            Some(held) => out.fail(stopped(bag, edge, odom, subject, &held, limits)),
+            None => out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]),
+        };
+    }
     let value = if is_identity(edge, limits) {
         "the identity"
     } else {
@@ -97,6 +102,32 @@ fn judge_odom(
             out.too_little(subject, why);
         }
     }
+}
+
+/// Whether the poses in `map` have moved away from TF since the correction stands still.
+fn is_left_behind(held: &Held, limits: &Limits) -> bool {
+    let [first_m, last_m] = held.apart_m;
+    held.lasts_s >= limits.held_s && last_m >= limits.held_m.max(limits.sigmas * first_m)
+}
+
+fn stopped(bag: &BagEvidence, edge: &TfEdge, odom: &FrameId, subject: String, held: &Held, limits: &Limits) -> Finding {
+    let map = edge.parent.canonical();
+    let [first_m, last_m] = held.apart_m;
+    let message = format!(
+        "`{map}` -> `{odom}` stands still from {:.0} s on, while the poses in `{map}` move {last_m:.2} m away from TF",
+        held.since_s
+    );
+    Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone()))
+        .likely()
+        .detail(format!(
+            "For the last {:.0} s the correction is the same in every message. In the first quarter of that time TF is {first_m:.2} m from {}.",
+            held.lasts_s, held.against
+        ))
+        .help(format!(
+            "find why the localizer's transform `{map}` -> `{odom}` is no longer updated while its poses are: a second node that repeats the last one?"
+        ))
+        .measured(Measured::new("distance of TF from the poses at the end", last_m, "m").limit(limits.held_m))
+        .measured(Measured::new("time without a change of the correction", held.lasts_s, "s").limit(limits.held_s))
 }
 
 fn is_identity(edge: &TfEdge, limits: &Limits) -> bool {

@@ -21,6 +21,8 @@ pub enum Error {
     NedWorld,
     /// The inverse quaternion.
     Conjugate,
+    /// The inverse pose.
+    Inverse,
     /// `w x y z` in the slots of `x y z w`.
     Wxyz,
     /// Heading, clockwise from north, as the yaw.
@@ -102,6 +104,8 @@ pub enum Error {
     TwistReversed,
     /// Linear velocity to the right.
     TwistYNegated,
+    /// Linear velocity downwards.
+    TwistZNegated,
     /// Linear velocity's x and y swapped.
     TwistSwapped,
     /// Yaw rate with the other sign.

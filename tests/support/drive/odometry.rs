@@ -167,6 +167,7 @@ impl OdometryRow {
             }
             Error::TwistReversed => self.linear = [-x, -y, -z],
             Error::TwistYNegated => self.linear = [x, -y, z],
+            Error::TwistZNegated => self.linear = [x, y, -z],
             Error::TwistSwapped => self.linear = [y, x, z],
             Error::TwistYawNegated => self.angular[2] = -self.angular[2],
             Error::CovarianceNotRotated => {}

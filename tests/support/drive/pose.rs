@@ -143,8 +143,13 @@ pub fn earth_from_enu(datum: Place, errors: &[Error]) -> Rotation3<f64> {
     turned
 }
 
-/// Applies an error of positions alone; false where it is none.
+/// Applies an error of positions, or of whole poses; false where it is none.
 pub fn apply_position(row: &mut PoseRow, error: Error) -> bool {
+    if error == Error::Inverse {
+        let inverse = row.isometry().inverse();
+        (row.position, row.orientation) = (inverse.translation.vector.into(), slots(inverse.rotation));
+        return true;
+    }
     let [x, y, z] = row.position;
     row.position = match error {
         Error::XNegated => [-x, y, z],
