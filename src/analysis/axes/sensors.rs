@@ -113,6 +113,16 @@ fn sensors(
             base_yaw_rad: None,
             unseen: None,
         };
+        // What moves on the platform turns and speeds up otherwise.
+        if let (Some(carrier), Some(frame)) = (&imu.carrier, &imu.stream.frame) {
+            let why =
+                format!("`{frame}` moves relative to `{carrier}` by TF, so the track of the platform is not its own");
+            let apart = || (NotEvaluated::NotApplicable, why.clone());
+            sensor.base = Err(apart());
+            sensor.heading = Err(apart());
+            sensor.sense = Err(apart());
+            sensor.push = Err(apart());
+        }
         // A gyro that nothing confirms may be in degrees, and show only its bias.
         if sensor.turn.is_err() && sensor.sense.as_ref().is_ok_and(gyro_vs_track::GyroFit::confirms_gyro) {
             let still = crate::analysis::quat::turned::still(imu, &turn);

@@ -126,6 +126,36 @@ impl CommonMotion {
     }
 }
 
+/// How far poses are from those that TF composes in their world frame, by a correction and the transform that moves the body, metres: the
+/// medians with the correction as published, and with its inverse. `None` where the three have no time in common.
+pub(crate) fn apart_m(
+    poses: &Stream<PoseRow>,
+    [correction, tf]: [&Stream<PoseRow>; 2],
+    body_from_frame: &Isometry3<f64>,
+) -> Option<[f64; 2]> {
+    let known = [correction, tf].map(|stream| (Orientations::of(stream), stream.track()));
+    let [mut world_at, mut body_at] = known.each_ref().map(|(turned, track)| {
+        let mut places = track.follow();
+        move |t_s: f64| pose_at(turned, &places(t_s)?, t_s)
+    });
+    let each = poses.rows().filter_map(|timed| {
+        let (correction, body) = (world_at(timed.t_s)?, body_at(timed.t_s)? * body_from_frame);
+        let off =
+            |world: Isometry3<f64>| ((world * body).translation.vector - Vector3::from(timed.row.position)).norm();
+        Some([off(correction), off(correction.inverse())])
+    });
+    let each: Vec<[f64; 2]> = each.collect();
+    let of = |reading: usize| {
+        median(
+            &each
+                .iter()
+                .filter_map(|off| off.get(reading).copied())
+                .collect::<Vec<_>>(),
+        )
+    };
+    Some([of(0)?, of(1)?])
+}
+
 /// Translation and rotation as one length, metres.
 fn size_m(motion: &Isometry3<f64>) -> f64 {
     motion.translation.vector.norm() + M_PER_RAD * motion.rotation.angle()
@@ -155,6 +185,8 @@ pub(crate) struct Limits {
     pub different: f64,
     /// So many times better another reading is.
     pub times_better: f64,
+    /// How far poses may be from TF in one world frame, metres: localizers differ.
+    pub apart_m: f64,
     /// Angle between the two z axes of the worlds, degrees.
     pub tilted_deg: f64,
 }

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::UnitQuaternion;
 
-use crate::analysis::motion::mount::{Mount, mount};
+use crate::analysis::motion::mount::{Mount, carrier, mount};
 use crate::analysis::{Estimates, motion::inertial::Inertial, motion::stream::Stream};
 use crate::math::{readings::Reading, rotation::rpy_in_words};
 use crate::tables::InsDriver;
 use crate::world::{
-    BagEvidence, bag::TopicContent, content::ContentEvidence, content::CovarianceEvidence, motion::InertialRow,
+    BagEvidence, FrameId, bag::TopicContent, content::ContentEvidence, content::CovarianceEvidence, motion::InertialRow,
 };
 
 /// An inertial sensor.
@@ -19,6 +19,8 @@ pub(crate) struct Imu {
     pub(crate) stream: Stream<InertialRow>,
     /// Its mounting, by URDF and static TF; `None` if no rigid transforms tie its frame to a base.
     pub(crate) mount: Option<Mount>,
+    /// Without a mounting: the frame on which a moving transform carries it.
+    pub(crate) carrier: Option<FrameId>,
     /// Why it has no orientation.
     pub(crate) no_orientation: Option<&'static str>,
     /// Its measurements.
@@ -33,9 +35,12 @@ impl Imu {
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
         let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
+        let unmounted = stream.frame.as_ref().filter(|_| mount.is_none());
+        let carrier = unmounted.and_then(|frame| carrier(world, frame));
         let stream = in_ros(world, stream, mount.as_ref());
         Some(Self {
             mount,
+            carrier,
             inertial: Inertial::of(world, &stream, no_orientation.is_none()),
             no_orientation,
             driver: world.tables.ins_driver(&said.topic.words()),
@@ -60,6 +65,9 @@ impl Imu {
             (Some(mount), Some(frame)) => {
                 let rotation = &mount.base_from_sensor.rotation;
                 format!("`{}` -> `{frame}` has {}", mount.base, rpy_in_words(rotation))
+            }
+            (_, Some(frame)) if self.carrier.is_some() => {
+                format!("`{frame}` moves on the platform, so no transform is applied")
             }
             (_, Some(frame)) => format!("no transform connects `{frame}` with a base, so none is applied"),
             _ => "the messages name no frame, so no transform is applied".to_owned(),

@@ -66,6 +66,36 @@ pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
     Mounts::of(world).get(sensor)
 }
 
+/// The frame of the platform on which a moving transform carries another one: of a turret, an arm, a gimbal, a trailer. `None` for what is fixed to
+/// its platform, however that moves in the world.
+pub(crate) fn carrier(world: &World, frame: &FrameId) -> Option<FrameId> {
+    let graph = world.graph();
+    let fixed = graph.reach(frame, |edge| edge.is_rigid).into_iter();
+    let mut moving = fixed
+        .flat_map(|(frame, _)| graph.edges_to(frame))
+        .filter(|edge| !edge.is_rigid);
+    let is_carried = |parent: &FrameId, child: &FrameId| {
+        !(names::is_world(parent) || names::is_base(parent) && names::is_base(child))
+    };
+    moving
+        .find(|edge| is_carried(&edge.parent, &edge.child))
+        .map(|edge| edge.parent.clone())
+}
+
+/// Whether two frames move each by itself: TF moves each in the world, and nothing fixed connects them. Two robots of one recording do.
+pub(crate) fn are_apart(world: &World, one: &FrameId, other: &FrameId) -> bool {
+    let graph = world.graph();
+    let fixed = graph.reach(one, |edge| edge.is_rigid);
+    if fixed.iter().any(|(frame, _)| *frame == other) {
+        return false;
+    }
+    let moves = |(frame, _): &(&FrameId, Isometry3<f64>)| {
+        let mut moving = graph.edges_to(frame).filter(|edge| !edge.is_rigid);
+        moving.any(|edge| names::is_world(&edge.parent))
+    };
+    fixed.iter().any(moves) && graph.reach(other, |edge| edge.is_rigid).iter().any(moves)
+}
+
 fn is_standard(frame: &FrameId) -> bool {
     names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base)
 }

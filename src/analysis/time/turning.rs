@@ -53,6 +53,8 @@ pub(crate) struct Signal {
     pub(crate) stream: String,
     /// The frame that poses are of.
     pub(crate) body: Option<FrameId>,
+    /// The frame that it measures the motion of: of poses the same, of sensors their own.
+    pub(crate) moving: Option<FrameId>,
     /// Yaw rate, rad/s.
     pub(crate) yaw_rate: Runs,
     /// Speed, m/s; of poses and fixes.
@@ -68,20 +70,22 @@ pub(crate) struct Signal {
 
 /// The signals of a recording: gyros first, then poses, orientations, velocities, fixes.
 pub(crate) fn signals(bag: &BagMotion) -> Vec<Signal> {
-    let gyros = bag
-        .imus
-        .iter()
-        .map(|imu| made(Kind::Gyro, &imu.stream, gyro(imu), None));
+    let gyros = bag.imus.iter().map(|imu| Signal {
+        moving: imu.stream.frame.clone(),
+        ..made(Kind::Gyro, &imu.stream, gyro(imu), None)
+    });
     let poses = bag.poses.iter().filter(|stream| stream.is_way()).map(|stream| {
         let turns = orientations(stream, |row| row.orientation);
         Signal {
             body: stream.child.clone(),
+            moving: stream.child.clone(),
             ..made(Kind::Pose, stream, turns, Some(&stream.track()))
         }
     });
     let filtered = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
     let filtered = filtered.map(|imu| Signal {
         subject: format!("orientation of {}", imu.stream.subject),
+        moving: imu.stream.frame.clone(),
         ..made(
             Kind::Orientation,
             &imu.stream,
@@ -127,6 +131,7 @@ pub(crate) fn scanned(world: &Estimates, clouds: &Clouds, steps: &Steps) -> Sign
         stream: subject.clone(),
         subject,
         body: None,
+        moving: clouds.frame(),
         yaw_rate: vec![rates.collect()],
         speed: Runs::default(),
         stamp_offset_s,
@@ -163,6 +168,7 @@ fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&T
         subject: stream.subject.clone(),
         stream: stream.subject.clone(),
         body: None,
+        moving: None,
         yaw_rate,
         speed: speeds.iter().map(speed).collect(),
         stamp_offset_s: stream.stamp_offset_s,

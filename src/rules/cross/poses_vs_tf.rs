@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
-use crate::analysis::cross::common_motion::{CommonMotion, Limits, Way};
+use crate::analysis::cross::common_motion::{CommonMotion, Limits, Way, apart_m};
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::names;
 use crate::math::constants::AxisTurn;
@@ -26,10 +26,17 @@ impl Rule for PosesVsTf {
     }
 }
 
-fn judge_poses(world: &World, bag: &BagMotion, poses: &Stream<PoseRow>, limits: &Limits, out: &mut Judge) {
+fn judge_poses<'m>(world: &World, bag: &'m BagMotion, poses: &'m Stream<PoseRow>, limits: &Limits, out: &mut Judge) {
     let subject = format!("{} and TF", poses.subject);
     let moving = bag.poses.iter().filter(|tf| tf.is_transform && tf.is_way());
     let compared = moving.filter_map(|tf| Compared::of(world, subject.clone(), poses, tf, limits));
+    let corrected = |compared: Compared<'m>| {
+        let is_it =
+            |one: &&Stream<PoseRow>| one.is_transform && one.frame == poses.frame && one.child == compared.tf.frame;
+        let correction = bag.poses.iter().find(is_it);
+        Compared { correction, ..compared }
+    };
+    let compared = compared.map(corrected);
     let Some(compared) = compared.max_by_key(|compared| compared.motion.count()) else {
         return out.missing(subject, "TF moves no frame that the poses can be of");
     };
@@ -51,6 +58,8 @@ struct Compared<'m> {
     subject: String,
     poses: &'m Stream<PoseRow>,
     tf: &'m Stream<PoseRow>,
+    /// The moving transform from the frame of the poses to that of `tf`: a correction.
+    correction: Option<&'m Stream<PoseRow>>,
     motion: CommonMotion,
     /// The frames on the body that TF moves, with `body_from_frame`: the body first.
     frames: Vec<(FrameId, Isometry3<f64>)>,
@@ -107,6 +116,7 @@ impl<'m> Compared<'m> {
             subject,
             poses,
             tf,
+            correction: None,
             frames,
         })
     }
@@ -173,8 +183,8 @@ impl<'m> Compared<'m> {
             return out.not_applicable(self.subject, of_things);
         }
         let message = format!(
-            "poses on `{}` are expressed in {expressed}, but move with `{}` like poses in a world frame",
-            self.poses.topic, direct.frame
+            "poses on `{}` are expressed in {expressed}, but move like poses in a world frame",
+            self.poses.topic
         );
         let finding = self
             .finding(message, "header-frame")
@@ -239,7 +249,10 @@ impl<'m> Compared<'m> {
         let tilt_deg = up.angle(&Vector3::z()).to_degrees();
         let tilt = Measured::new("angle between z of the two world frames", tilt_deg, "deg").limit(limits.tilted_deg);
         if tilt_deg <= limits.tilted_deg {
-            return out.pass(self.subject, [measured, tilt]);
+            return match self.inverted_correction(named, limits) {
+                Some(finding) => out.fail(finding),
+                None => out.pass(self.subject, [measured, tilt]),
+            };
         }
         let (expressed, of_tf) = (self.poses.frame_name(), self.tf.frame_name());
         let is_camera = up.angle(&-Vector3::y()).to_degrees() <= limits.tilted_deg;
@@ -260,6 +273,30 @@ impl<'m> Compared<'m> {
             .detail("Both move alike in the axes of what moves; only their world frames differ.")
             .help(help);
         out.fail(finding.measured([tilt, measured]));
+    }
+
+    /// A finding, if TF in the frame of the poses is far from them, and near with the correction inverted.
+    fn inverted_correction(&self, named: &Reading, limits: &Limits) -> Option<Finding> {
+        let correction = self.correction?;
+        let [published_m, inverted_m] = apart_m(self.poses, [correction, self.tf], &named.body_from_frame)?;
+        if published_m <= limits.apart_m || inverted_m * limits.times_better > published_m {
+            return None;
+        }
+        let message = format!(
+            "{} is inverted: TF is {published_m:.1} m from the poses on `{}`",
+            correction.subject, self.poses.topic
+        );
+        let detail = format!(
+            "In {}; with the inverse it would be {inverted_m:.1} m.",
+            self.poses.frame_name()
+        );
+        let finding = self.finding(message, "inverse").detail(detail).help(format!(
+            "publish the inverse: the transform of {} -> {} is the pose of {1} in {0}, world_from_body * odom_from_body^-1",
+            correction.frame_name(),
+            correction.child_name()
+        ));
+        let off = Measured::new("distance of TF from the poses", published_m, "m").limit(limits.apart_m);
+        Some(finding.related(correction.place(), "the correction").measured([off]))
     }
 
     /// The finding that another reading explains the motion.

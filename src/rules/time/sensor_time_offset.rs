@@ -4,6 +4,7 @@ use crate::advice::together::report_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::geo::antenna::Antennas;
 use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::mount::{are_apart, carrier};
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::scan_motion::ScanMotion;
 use crate::analysis::time::offsets::{Limits, NoOffset, Offset};
@@ -35,6 +36,14 @@ impl Rule for SensorTimeOffset {
                     None => {}
                 }
             }
+            signals.retain(|signal| {
+                let on = signal.moving.as_ref().and_then(|frame| carrier(world, frame));
+                if let Some(on) = &on {
+                    let why = format!("it moves relative to `{on}` by TF, and turns otherwise");
+                    out.not_applicable(&signal.subject, why);
+                }
+                on.is_none()
+            });
             judge_bag(world, (index, motion), &signals, sensors.of_bag(index), limits, out);
         }
     }
@@ -72,6 +81,11 @@ fn judge_bag(
                 subject,
                 "the orientation itself is wrong, so its lag means nothing: fix that fault first",
             );
+            continue;
+        }
+        let frames = first.moving.as_ref().zip(second.moving.as_ref());
+        if frames.is_some_and(|(one, other)| are_apart(world, one, other)) {
+            out.not_applicable(subject, format!("it moves by itself, and not with {}", words(first)));
             continue;
         }
         match found {

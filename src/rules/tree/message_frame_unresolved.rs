@@ -153,7 +153,9 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[BagFrameUse], context
         .get_or_init(|| Names::new(context.tree))
         .nearest(frame, Reach::SUGGESTION);
     let help = how_to_tie(frame, near.as_ref().map(|near| near.frame.to_string()));
-    let is_soft = names::is_world(frame) || main.kind == HeaderUse::Possible;
+    // Poses may be of another object, or in the frame of a tracker outside of the robot.
+    let is_foreign = main.kind == HeaderUse::Spatial && near.is_none() && !names::is_base(frame);
+    let is_soft = names::is_world(frame) || main.kind == HeaderUse::Possible || is_foreign;
     let finding = if is_soft {
         Finding::warning(subject, message, place).likely()
     } else {

@@ -1,0 +1,114 @@
+//! What is said of an inertial sensor that turns otherwise than its platform.
+
+use nalgebra::UnitQuaternion;
+
+use super::Seen;
+use crate::analysis::axes::causes::Base;
+use crate::analysis::axes::imu_mounting::{ImuMounting, Limits};
+use crate::math::constants::AxisTurn;
+use crate::math::rotation::rpy_in_words;
+use crate::rules::codes;
+use crate::verdict::{Finding, RuleCode};
+
+/// Rules that name the cause of some of the same differences.
+const SPOKEN: [RuleCode; 8] = [
+    codes::AXES01,
+    codes::AXES03,
+    codes::AXES05,
+    codes::AXES06,
+    codes::AXES08,
+    codes::AXES13,
+    codes::QUAT01,
+    codes::CROSS08,
+];
+/// Gravity may be off by less in a healthy sensor, degrees.
+const LEANING_DEG: f64 = 45.0;
+
+/// The convention errors that turn the measured rotation into the stated one.
+fn errors(found: &ImuMounting, limits: &Limits) -> Vec<&'static str> {
+    let is_same = |other: UnitQuaternion<f64>| found.fitted.angle_to(&other).to_degrees() <= limits.max_off_deg / 2.0;
+    let turns = AxisTurn::all().iter();
+    let turns = turns
+        .filter(|turn| is_same(found.stated * turn.quaternion()))
+        .map(|turn| turn.word());
+    let inverse = is_same(found.stated.inverse()).then_some("inverse");
+    inverse.into_iter().chain(turns).collect()
+}
+
+impl Seen<'_> {
+    /// Whether gravity agrees with the stated mounting, and not with the fitted one: then the axes of the poses are wrong.
+    pub(super) fn contradicts_gravity(&self) -> bool {
+        let base = self.sensor.base.as_ref().ok().filter(|base| base.class == Base::Up);
+        base.is_some_and(|base| {
+            let up = self.imu.base_from_imu().inverse() * base.direction;
+            (self.found.stated * up).angle(&(self.found.fitted * up)).to_degrees() > LEANING_DEG
+        })
+    }
+
+    pub(super) fn wrong_poses(&self, subject: String) -> Finding {
+        let Self { imu, found, .. } = self;
+        let turned = found.fitted * found.stated.inverse();
+        let turn = AxisTurn::all()
+            .iter()
+            .find(|turn| turn.quaternion().angle_to(&turned).to_degrees() <= LEANING_DEG / 2.0);
+        let axes = turn.map_or_else(String::new, |turn| format!(" ({})", turn.word()));
+        let message = format!(
+            "poses by {} turn about other axes of `{}` than the gyro{axes}",
+            found.poses.0, found.body
+        );
+        let finding = Finding::warning(subject, message, found.poses.1.clone())
+        .likely()
+        .detail(format!(
+            "Gravity agrees with the mounting of `{}`, and would not with one that makes the turns equal: the axes of the poses are others than those of `{}`.",
+            imu.stream.topic, found.body
+        ))
+        .help("express the poses in x forward, y left, z up of a world with z up (REP-103), or name their frames so (`_ned`, `_frd`)")
+        .related(imu.stream.place(), "the inertial sensor");
+        let finding = turn
+            .into_iter()
+            .fold(finding, |finding, turn| finding.relation(turn.word()));
+        SPOKEN.into_iter().fold(finding, Finding::unless)
+    }
+
+    pub(super) fn wrong_mounting(&self, subject: String, limits: &Limits) -> Finding {
+        let Self {
+            imu, found, exchanged, ..
+        } = self;
+        let frame = imu.stream.frame_name();
+        let errors = errors(found, limits);
+        let (cause, relation) = match (exchanged, errors.first()) {
+            (Some(other), _) => (
+                format!(", as if exchanged with `{}`", other.stream.topic),
+                Some("exchanged"),
+            ),
+            (None, Some(first)) => (format!(" ({})", errors.join(" or ")), Some(*first)),
+            (None, None) => (String::new(), None),
+        };
+        let off_deg = found.stated.angle_to(&found.fitted).to_degrees();
+        let message = format!(
+            "`{}`: {frame} is rotated by {off_deg:.0} deg from its mounting transform{cause}",
+            imu.stream.topic
+        );
+        let help = if exchanged.is_some() {
+            "exchange the frames or the topics of the two sensors".to_owned()
+        } else {
+            format!(
+                "correct the transform `{}` -> {frame} to the measured rotation, rounded to how the sensor is built in; or the axes of the driver",
+                found.body
+            )
+        };
+        let finding = Finding::warning(subject, message, imu.stream.place())
+            .likely()
+            .detail(format!(
+                "Compared with the turns of `{}` by {}. Mounting: {}. As measured: {}.",
+                found.body,
+                found.poses.0,
+                imu.mounting(),
+                rpy_in_words(&found.fitted)
+            ))
+            .help(help)
+            .related(found.poses.1.clone(), "poses");
+        let finding = relation.into_iter().fold(finding, Finding::relation);
+        SPOKEN.into_iter().fold(finding, Finding::unless)
+    }
+}
