@@ -31,7 +31,6 @@ const UNSHOWN: &[(&str, &str)] = &[
     ("pose-utm-grid", "needs poses over 200 m"),
     ("pose-altitude-as-z", "needs poses far from the origin"),
     ("pose-correction-held", "needs a longer drive"),
-    ("pose-correction-inverse", "the correction is small"),
     ("fix-radians", "needs a track with more turns"),
     ("fix-origin-moved", "no file states an origin"),
     ("fix-origin-swapped", "no file states an origin"),
