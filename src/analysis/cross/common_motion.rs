@@ -2,12 +2,14 @@
 //!
 //! Motions do not depend on where the two worlds have their origins, nor on slow drift. Must not judge.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use crate::analysis::hand_eye::pose_at;
-use crate::analysis::motion::{Orientations, Stream};
-use crate::math::{readings::Reading, stats::median};
+use crate::analysis::motion::{Orientations, Stream, Track};
+use crate::math::stats::median;
 use crate::world::motion::PoseRow;
 
 /// Metres that count like a rotation by one radian: about the size of a robot.
@@ -46,17 +48,13 @@ pub(crate) struct CommonMotion {
 impl CommonMotion {
     /// Of poses and a moving transform; intervals end at poses of the topic, once the body has moved far enough.
     pub(crate) fn of(poses: &Stream<PoseRow>, tf: &Stream<PoseRow>, limits: &Limits) -> Self {
-        let (turned, track) = (Orientations::of(tf), tf.track());
-        let mut places = track.follow();
-        let mut body_at = |t_s: f64| pose_at(&turned, &places(t_s)?, t_s);
+        let known = PosesOverTime::of(tf);
+        let mut body_at = known.follow();
         let mut pairs = Vec::new();
         for stretch in &poses.stretches {
             let mut from: Option<(f64, Isometry3<f64>, Isometry3<f64>)> = None;
             for timed in stretch {
-                let Some(turned) = Reading::Xyzw.world_from_body(timed.row.orientation) else {
-                    continue;
-                };
-                let pose = Isometry3::from_parts(Translation3::from(timed.row.position), turned);
+                let Some(pose) = timed.isometry() else { continue };
                 let Some(body) = body_at(timed.t_s) else { continue };
                 let Some((from_s, from_pose, from_body)) = from else {
                     from = Some((timed.t_s, pose, body));
@@ -133,11 +131,8 @@ pub(crate) fn apart_m(
     [correction, tf]: [&Stream<PoseRow>; 2],
     body_from_frame: &Isometry3<f64>,
 ) -> Option<[f64; 2]> {
-    let known = [correction, tf].map(|stream| (Orientations::of(stream), stream.track()));
-    let [mut world_at, mut body_at] = known.each_ref().map(|(turned, track)| {
-        let mut places = track.follow();
-        move |t_s: f64| pose_at(turned, &places(t_s)?, t_s)
-    });
+    let known = [correction, tf].map(PosesOverTime::of);
+    let [mut world_at, mut body_at] = known.each_ref().map(PosesOverTime::follow);
     let each = poses.rows().filter_map(|timed| {
         let (correction, body) = (world_at(timed.t_s)?, body_at(timed.t_s)? * body_from_frame);
         let off =
@@ -154,6 +149,27 @@ pub(crate) fn apart_m(
         )
     };
     Some([of(0)?, of(1)?])
+}
+
+/// The poses of a stream at any time.
+struct PosesOverTime {
+    turned: Orientations,
+    track: Arc<Track>,
+}
+
+impl PosesOverTime {
+    fn of(stream: &Stream<PoseRow>) -> Self {
+        Self {
+            turned: Orientations::of(stream),
+            track: stream.track(),
+        }
+    }
+
+    /// At times that mostly increase.
+    fn follow(&self) -> impl FnMut(f64) -> Option<Isometry3<f64>> + '_ {
+        let mut places = self.track.follow();
+        move |t_s| pose_at(&self.turned, &places(t_s)?, t_s)
+    }
 }
 
 /// Translation and rotation as one length, metres.

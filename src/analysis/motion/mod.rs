@@ -150,6 +150,14 @@ impl BagMotion {
         motion
     }
 
+    /// The moving transform of TF from a frame to a child, or to any.
+    pub(crate) fn transform(&self, frame: &FrameId, child: Option<&FrameId>) -> Option<&Stream<PoseRow>> {
+        self.poses.iter().find(|stream| {
+            let is_of_child = child.is_none_or(|child| stream.child.as_ref() == Some(child));
+            stream.is_transform && stream.frame.as_ref() == Some(frame) && is_of_child
+        })
+    }
+
     /// The platform's tracks: by GNSS receivers first, guessed ones last, then by odometry and poses in frames that are not
     /// left out.
     pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Tracks {

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 use crate::analysis::geo::kinds::{Limits, is_earth_centred};
 use crate::analysis::motion::convention::{Convert, MovingFrame, StreamConvention};
 use crate::analysis::{motion::clock::Clock, motion::mount::mount, motion::track::Track, names};
-use crate::math::{circular::wrapped, geodesy::Geodetic};
+use crate::math::{circular::wrapped, geodesy::Geodetic, readings::Reading};
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, TfEdge, TopicContent};
 use crate::world::motion::{FixRow, PoseRow, Row, Series};
@@ -21,6 +21,14 @@ pub(crate) struct TimedRow<R> {
     pub(crate) t_s: f64,
     /// The row.
     pub(crate) row: R,
+}
+
+impl TimedRow<PoseRow> {
+    /// `parent_from_child` as published; `None` if the orientation is invalid.
+    pub(crate) fn isometry(&self) -> Option<Isometry3<f64>> {
+        let turned = Reading::Xyzw.world_from_body(self.row.orientation)?;
+        Some(Isometry3::from_parts(Translation3::from(self.row.position), turned))
+    }
 }
 
 /// A stream of rows.

@@ -2,11 +2,11 @@
 //!
 //! Must not judge.
 
-use nalgebra::{Isometry3, Point3, Translation3};
+use nalgebra::Point3;
 
-use crate::analysis::motion::{BagMotion, Stream, TimedRow};
+use crate::analysis::motion::{BagMotion, Stream};
 use crate::analysis::names;
-use crate::math::{readings::Reading, rotation::is_near, stats::median};
+use crate::math::{rotation::is_near, stats::median};
 use crate::world::{FrameId, motion::PoseRow};
 
 /// The correction at the end of a recording.
@@ -24,19 +24,11 @@ pub(crate) struct Held {
 impl Held {
     /// The longest at the end of the recording, beside poses in `map`; `None` if the correction moves to the end, or never moved.
     pub(crate) fn of(motion: &BagMotion, odom: &FrameId, map: &FrameId, same: [f64; 2]) -> Option<Self> {
-        let of_tf = |frame: &FrameId, child: Option<&FrameId>| {
-            let named = |stream: &&Stream<PoseRow>| {
-                stream.is_transform
-                    && stream.frame.as_ref() == Some(frame)
-                    && child.is_none_or(|child| stream.child.as_ref() == Some(child))
-            };
-            motion.poses.iter().find(named)
-        };
-        let (correction, odometry) = (of_tf(map, Some(odom))?, of_tf(odom, None)?);
+        let (correction, odometry) = (motion.transform(map, Some(odom))?, motion.transform(odom, None)?);
         let rows = || {
             correction
                 .rows()
-                .filter_map(|timed| Some((timed.t_s, isometry(timed)?)))
+                .filter_map(|timed| Some((timed.t_s, timed.isometry()?)))
         };
         let (until_s, last) = rows().last()?;
         let mut since_s = None;
@@ -78,9 +70,4 @@ impl Held {
             .filter_map(apart)
             .max_by(|a, b| a.apart_m[1].total_cmp(&b.apart_m[1]))
     }
-}
-
-fn isometry(timed: &TimedRow<PoseRow>) -> Option<Isometry3<f64>> {
-    let turned = Reading::Xyzw.world_from_body(timed.row.orientation)?;
-    Some(Isometry3::from_parts(Translation3::from(timed.row.position), turned))
 }

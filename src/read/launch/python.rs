@@ -5,6 +5,7 @@
 
 mod values;
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use tree_sitter::Node;
@@ -18,12 +19,17 @@ use values::{Bindings, Value, words};
 /// Calls of one function that makes nodes.
 const MAX_SITES: usize = 256;
 
+/// Expressions that are followed in one file.
+const MAX_VALUES: usize = 50_000;
+
 struct Script<'t> {
     source: &'t str,
     /// The values assigned to names, anywhere; `None` for several values.
     assigned: BTreeMap<&'t str, Option<Node<'t>>>,
     /// Defaults of launch arguments.
     declared: BTreeMap<String, Node<'t>>,
+    /// Expressions that may still be followed: lists of lists grow with every level.
+    left: Cell<usize>,
 }
 
 pub(super) fn read(source: &str, found: &mut LaunchFacts) {
@@ -37,6 +43,7 @@ pub(super) fn read(source: &str, found: &mut LaunchFacts) {
         source,
         assigned: BTreeMap::new(),
         declared: BTreeMap::new(),
+        left: Cell::new(MAX_VALUES),
     };
     for node in &all {
         if node.kind() == "assignment"
@@ -176,7 +183,7 @@ impl<'t> Script<'t> {
         if bindings.is_empty() {
             bindings.push((Bindings::new(), true));
         }
-        let is_branch = around(call, &["if_statement", "conditional_expression", "if_clause"]).is_some();
+        let is_branch = around(call, &["if_statement", "conditional_expression"]).is_some();
         let is_branch = is_branch || self.keyword(call, "condition").is_some();
         let each = bindings.into_iter().flat_map(|(bound, is_known)| {
             let inner = self.looped(call, bound).into_iter();
@@ -215,7 +222,7 @@ impl<'t> Script<'t> {
                 all = each.take(MAX_SITES).collect();
             }
             // Which items a condition leaves out is not known.
-            if children(around).iter().any(|part| part.kind() == "if_clause") {
+            if has_condition(around) {
                 for (_, is_known) in &mut all {
                     *is_known = false;
                 }
@@ -281,6 +288,11 @@ fn clauses(node: Node<'_>) -> Vec<(Node<'_>, Node<'_>)> {
     parts
         .filter_map(|part| Some((part.child_by_field_name("left")?, part.child_by_field_name("right")?)))
         .collect()
+}
+
+/// Whether a comprehension leaves out items by a condition.
+fn has_condition(node: Node<'_>) -> bool {
+    children(node).iter().any(|part| part.kind() == "if_clause")
 }
 
 /// The nearest enclosing node of one of these kinds.

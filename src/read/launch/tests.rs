@@ -186,7 +186,29 @@ fn tables_of_python_are_followed_through_loops_and_comprehensions() {
         assert!(stated.len() == 2 && is_each, "{text}{stated:?}");
     }
     let unknown = format!("nodes = [{publish} arguments=row) for row in read('table.csv')]\n");
-    assert!(all("a.launch.py", &unknown).is_empty());
+    let some = format!(
+        "W = ['1', '2', '3', '0', '0', '0', 'base', 'laser']\nn = {publish} arguments=[w for w in W if w != x])\n"
+    );
+    assert!([unknown, some].iter().all(|text| all("a.launch.py", text).is_empty()));
+}
+
+#[test]
+fn lists_of_lists_of_python_are_followed_only_so_far() {
+    use std::fmt::Write as _;
+    let mut named = "l0 = ['1', '2']\n".to_owned();
+    for level in 1..15 {
+        let _ = writeln!(named, "l{level} = [{}]", vec![format!("l{}", level - 1); 20].join(", "));
+    }
+    let nested = format!(
+        "L = [{}]\nl14 = {}L{}\n",
+        vec!["1"; 500].join(", "),
+        "[".repeat(7),
+        " for x in L]".repeat(7)
+    );
+    for text in [named, nested] {
+        let node = "n = Node(package='tf2_ros', executable='static_transform_publisher', arguments=l14)\n";
+        assert!(all("a.launch.py", &(text + node)).is_empty());
+    }
 }
 
 #[test]

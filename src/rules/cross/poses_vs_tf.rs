@@ -26,17 +26,10 @@ impl Rule for PosesVsTf {
     }
 }
 
-fn judge_poses<'m>(world: &World, bag: &'m BagMotion, poses: &'m Stream<PoseRow>, limits: &Limits, out: &mut Judge) {
+fn judge_poses(world: &World, bag: &BagMotion, poses: &Stream<PoseRow>, limits: &Limits, out: &mut Judge) {
     let subject = format!("{} and TF", poses.subject);
     let moving = bag.poses.iter().filter(|tf| tf.is_transform && tf.is_way());
-    let compared = moving.filter_map(|tf| Compared::of(world, subject.clone(), poses, tf, limits));
-    let corrected = |compared: Compared<'m>| {
-        let is_it =
-            |one: &&Stream<PoseRow>| one.is_transform && one.frame == poses.frame && one.child == compared.tf.frame;
-        let correction = bag.poses.iter().find(is_it);
-        Compared { correction, ..compared }
-    };
-    let compared = compared.map(corrected);
+    let compared = moving.filter_map(|tf| Compared::of((world, bag), subject.clone(), poses, tf, limits));
     let Some(compared) = compared.max_by_key(|compared| compared.motion.count()) else {
         return out.missing(subject, "TF moves no frame that the poses can be of");
     };
@@ -58,8 +51,7 @@ struct Compared<'m> {
     subject: String,
     poses: &'m Stream<PoseRow>,
     tf: &'m Stream<PoseRow>,
-    /// The moving transform from the frame of the poses to that of `tf`: a correction.
-    correction: Option<&'m Stream<PoseRow>>,
+    bag: &'m BagMotion,
     motion: CommonMotion,
     /// The frames on the body that TF moves, with `body_from_frame`: the body first.
     frames: Vec<(FrameId, Isometry3<f64>)>,
@@ -97,7 +89,7 @@ impl Reading {
 impl<'m> Compared<'m> {
     /// `None` where what the topic names is not on the body that this transform moves.
     fn of(
-        world: &World,
+        (world, bag): (&World, &'m BagMotion),
         subject: String,
         poses: &'m Stream<PoseRow>,
         tf: &'m Stream<PoseRow>,
@@ -116,7 +108,7 @@ impl<'m> Compared<'m> {
             subject,
             poses,
             tf,
-            correction: None,
+            bag,
             frames,
         })
     }
@@ -277,7 +269,8 @@ impl<'m> Compared<'m> {
 
     /// A finding, if TF in the frame of the poses is far from them, and near with the correction inverted.
     fn inverted_correction(&self, named: &Reading, limits: &Limits) -> Option<Finding> {
-        let correction = self.correction?;
+        let (world, moved) = (self.poses.frame.as_ref()?, self.tf.frame.as_ref()?);
+        let correction = self.bag.transform(world, Some(moved))?;
         let [published_m, inverted_m] = apart_m(self.poses, [correction, self.tf], &named.body_from_frame)?;
         if published_m <= limits.apart_m || inverted_m * limits.times_better > published_m {
             return None;

@@ -41,6 +41,7 @@ impl<'t> Script<'t> {
         if depth > MAX_DEPTH {
             return None;
         }
+        self.left.set(self.left.get().checked_sub(1)?);
         let of = |node| self.value(node, bound, depth + 1);
         let plain = |text: String| {
             Some(Value::Text(Word {
@@ -81,6 +82,9 @@ impl<'t> Script<'t> {
                 let [(names, items)] = *super::clauses(node) else {
                     return None;
                 };
+                if super::has_condition(node) {
+                    return None;
+                }
                 let Value::List(items) = of(items) else { return None };
                 let of_item = |item| self.value(body, &self.with(bound, names, item), depth + 1);
                 Some(Value::List(items.into_iter().map(of_item).collect()))

@@ -24,15 +24,19 @@ const SPOKEN: [RuleCode; 8] = [
 /// Gravity may be off by less in a healthy sensor, degrees.
 const LEANING_DEG: f64 = 45.0;
 
+/// The axis turns that a rotation is within so many degrees of.
+fn turns_near(rotation: UnitQuaternion<f64>, within_deg: f64) -> impl Iterator<Item = AxisTurn> {
+    let is_near = move |turn: &AxisTurn| turn.quaternion().angle_to(&rotation).to_degrees() <= within_deg;
+    AxisTurn::all().iter().copied().filter(is_near)
+}
+
 /// The convention errors that turn the measured rotation into the stated one.
 fn errors(found: &ImuMounting, limits: &Limits) -> Vec<&'static str> {
-    let is_same = |other: UnitQuaternion<f64>| found.fitted.angle_to(&other).to_degrees() <= limits.max_off_deg / 2.0;
-    let turns = AxisTurn::all().iter();
-    let turns = turns
-        .filter(|turn| is_same(found.stated * turn.quaternion()))
-        .map(|turn| turn.word());
-    let inverse = is_same(found.stated.inverse()).then_some("inverse");
-    inverse.into_iter().chain(turns).collect()
+    let within_deg = limits.max_off_deg / 2.0;
+    let is_inverse = found.fitted.angle_to(&found.stated.inverse()).to_degrees() <= within_deg;
+    let turns = turns_near(found.stated.inverse() * found.fitted, within_deg);
+    let inverse = is_inverse.then_some("inverse");
+    inverse.into_iter().chain(turns.map(AxisTurn::word)).collect()
 }
 
 impl Seen<'_> {
@@ -47,10 +51,7 @@ impl Seen<'_> {
 
     pub(super) fn wrong_poses(&self, subject: String) -> Finding {
         let Self { imu, found, .. } = self;
-        let turned = found.fitted * found.stated.inverse();
-        let turn = AxisTurn::all()
-            .iter()
-            .find(|turn| turn.quaternion().angle_to(&turned).to_degrees() <= LEANING_DEG / 2.0);
+        let turn = turns_near(found.fitted * found.stated.inverse(), LEANING_DEG / 2.0).next();
         let axes = turn.map_or_else(String::new, |turn| format!(" ({})", turn.word()));
         let message = format!(
             "poses by {} turn about other axes of `{}` than the gyro{axes}",
