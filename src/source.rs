@@ -3,6 +3,7 @@
 //! Owns source identities, byte spans, places, the line index and the degrees of confidence in a fact. Must not know formats, frames or rules.
 
 mod lines;
+pub(crate) mod packages;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,5 +1,6 @@
 //! Completes findings on inertial sensors by the sensor's diagnosis: causes, help, and the rule that reports the fault best.
 
+use crate::analysis::axes::imu_mounting;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::{Estimates, axes::causes::Aspect, axes::diagnosis::Diagnosis, look::Estimate};
@@ -33,6 +34,9 @@ pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Fi
     if let Some(word) = diagnosis.word() {
         finding = finding.relation(word);
     }
+    let finding = imu_mounting::EXACT.into_iter().fold(finding, |finding, relation| {
+        finding.unless_with(codes::AXES16, relation)
+    });
     defer(diagnosis, imu, Some(own), finding)
 }
 

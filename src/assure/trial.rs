@@ -101,7 +101,7 @@ impl<'w> Platform<'w> {
 /// Whether a finding defers only to rules that should see the mistake.
 fn is_among(deference: &Deference, fault: &Fault) -> bool {
     match deference {
-        Deference::Rule(code) | Deference::Relation(code) | Deference::About(code, _) => {
+        Deference::Rule(code) | Deference::Relation(code) | Deference::With(code, _) | Deference::About(code, _) => {
             fault.seen_by.has(code.as_str())
         }
         Deference::CauseOf(_) => true,

@@ -17,7 +17,7 @@ use crate::fitness::Calibration;
 pub(super) use reading::ReadOptions;
 pub(super) use reporting::{Output, ReportOptions};
 
-use values::{Targets, calibrations, is, mistakes, rules, selectors, size, verbs, xacro_arg};
+use values::{Targets, calibrations, is, mistakes, output, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -322,8 +322,8 @@ pub(super) struct Assure {
     #[arg(long)]
     pub(super) all: bool,
     /// Write the report to a file instead of standard output
-    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(super) output: Option<PathBuf>,
+    #[arg(short, long, value_name = "[FORMAT=]FILE", value_hint = ValueHint::FilePath, value_parser = output::<AssureFormat>)]
+    pub(super) output: Option<Output<AssureFormat>>,
     /// Overwrite an existing file that is not a report
     #[arg(long)]
     pub(super) force: bool,

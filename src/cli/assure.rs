@@ -11,7 +11,7 @@ use crate::report::{Style, assure as report, terminal};
 use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_INCOMPLETE};
 use crate::verdict::{KeptOutcomes, Outcome};
 
-use super::args::{Assure, AssureFormat};
+use super::args::{Assure, AssureFormat, Output};
 use super::{Answer, Failure, Surroundings, paths_or_here, save};
 
 /// Tries known mistakes on the inputs. 0: tried; 3: nothing could be tried, or an input was not read in full; 70: internal error.
@@ -29,7 +29,7 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
         evidence: asked.evidence,
         assure: Some(faults),
         outputs: Outputs {
-            files: asked.output.iter().cloned().collect(),
+            files: asked.output.iter().map(|output| output.file.clone()).collect(),
             force: asked.force,
             ..Outputs::default()
         },
@@ -43,13 +43,16 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
     } else {
         surroundings.style
     };
-    let mut out = match asked.format.unwrap_or_else(|| by_extension(asked.output.as_deref())) {
+    let output = asked.output.as_ref();
+    let format = output.and_then(|output| output.format).or(asked.format);
+    let by_file = || output.map_or(AssureFormat::Text, |output| by_extension(&output.file));
+    let mut out = match format.unwrap_or_else(by_file) {
         AssureFormat::Text => report::text(&assurance, asked.all, style),
         AssureFormat::Json => report::json(&assurance)?,
         AssureFormat::Markdown => report::markdown(&assurance),
         AssureFormat::Html => report::html(&assurance),
     };
-    if let Some(file) = asked.output {
+    if let Some(Output { file, .. }) = asked.output {
         save(&file, std::mem::take(&mut out))?;
     }
     let plain = Style {
@@ -71,8 +74,8 @@ pub(super) fn run(asked: Assure, stdin: &mut dyn Read, surroundings: Surrounding
 }
 
 /// The format of a file by its extension.
-fn by_extension(file: Option<&Path>) -> AssureFormat {
-    let extension = file.and_then(Path::extension).and_then(OsStr::to_str);
+fn by_extension(file: &Path) -> AssureFormat {
+    let extension = file.extension().and_then(OsStr::to_str);
     match extension.map(str::to_lowercase).as_deref() {
         Some("json") => AssureFormat::Json,
         Some("md") => AssureFormat::Markdown,

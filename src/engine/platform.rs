@@ -1,7 +1,6 @@
 //! Sorts readings into platforms. The nearest folder decides.
 
 mod clusters;
-mod packages;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -34,6 +34,7 @@ macro_rules! registry {
                 NAME06 => optical_suffix::OpticalSuffix,
                 NAME07 => image_frame_not_optical::ImageFrameNotOptical,
                 NAME08 => transform_name_cancellation::TransformNameCancellation,
+                NAME09 => left_right::LeftRight,
             }
             #[doc = "ROT: rotations, translations and the numbers that state them."]
             rot {

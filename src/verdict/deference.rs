@@ -40,6 +40,8 @@ pub enum Deference {
     Rule(RuleCode),
     /// The same with the same relation.
     Relation(RuleCode),
+    /// The same with this relation.
+    With(RuleCode, &'static str),
     /// A rule with a finding that names this.
     About(RuleCode, String),
     /// The finding of the same rule on this subject, which has the same cause.
@@ -81,7 +83,10 @@ pub fn match_up(findings: &mut [Finding]) {
         .map(|finding| {
             let same = finding.unless.iter().flat_map(|unless| {
                 let rule = match unless {
-                    Deference::Rule(rule) | Deference::Relation(rule) | Deference::About(rule, _) => rule.as_str(),
+                    Deference::Rule(rule)
+                    | Deference::Relation(rule)
+                    | Deference::With(rule, _)
+                    | Deference::About(rule, _) => rule.as_str(),
                     Deference::CauseOf(_) => &finding.rule,
                 };
                 let subjects = known.get(rule).into_iter().flatten();
@@ -101,7 +106,8 @@ pub fn match_up(findings: &mut [Finding]) {
 fn is_same(finding: &Finding, other: &Finding, unless: &Deference) -> bool {
     match unless {
         Deference::Relation(_) if other.relation != finding.relation => return false,
-        Deference::Rule(_) | Deference::Relation(_) => {}
+        Deference::With(_, relation) if other.relation.as_deref() != Some(*relation) => return false,
+        Deference::Rule(_) | Deference::Relation(_) | Deference::With(..) => {}
         Deference::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
         // If there are several platforms, subjects begin with their names.
         Deference::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,

@@ -316,6 +316,13 @@ impl Finding {
         self
     }
 
+    /// A rule that explains it better, if it finds the same with this relation.
+    #[must_use]
+    pub fn unless_with(mut self, rule: RuleCode, relation: &'static str) -> Self {
+        self.unless.push(Deference::With(rule, relation));
+        self
+    }
+
     /// A rule that explains it better, if one of its findings names `about`.
     #[must_use]
     pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {

@@ -174,6 +174,32 @@ fn each_output_has_its_own_file() {
 }
 
 #[test]
+fn a_format_alone_is_no_file() {
+    let folder = platform();
+    for call in ["check . -o json", "check . --output sarif", "assure . -o html"] {
+        let ran = program::run(folder.path(), call.split(' '));
+        assert_eq!(ran.code, 2, "{call}: {}", ran.text());
+        assert!(ran.err.contains("this is a format"), "{call}: {}", ran.err);
+    }
+    assert!(
+        ["json", "sarif", "html"]
+            .iter()
+            .all(|name| !folder.path().join(name).exists())
+    );
+    let ran = program::run(folder.path(), ["assure", ".", "-o", "json=mistakes"]);
+    assert!(
+        fs::read_to_string(folder.path().join("mistakes"))
+            .unwrap()
+            .starts_with('{'),
+        "{}",
+        ran.err
+    );
+    // A file of that name can be written by its path.
+    let ran = program::run(folder.path(), ["check", ".", "-o", "./json"]);
+    assert!(ran.code == 0 && folder.path().join("json").exists(), "{}", ran.err);
+}
+
+#[test]
 fn a_file_that_is_replaced_keeps_its_mode_its_links_and_its_attributes() {
     let folder = platform();
     let path = folder.path();

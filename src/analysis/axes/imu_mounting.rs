@@ -22,6 +22,9 @@ const LAG_STEP_S: f64 = 0.02;
 /// Parts of the recording, each of which is left out once.
 const PARTS: usize = 8;
 
+/// Relations of a stated mounting to the measured one that leave nothing else to explain: what other rules measure of the sensor follows.
+pub(crate) const EXACT: [&str; 2] = ["exchanged", "inverse"];
+
 /// The mounting as stated, and as the turns show it.
 pub(crate) struct ImuMounting {
     /// The frame that the poses move.

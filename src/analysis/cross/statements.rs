@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
 use crate::analysis::places::of_numbers;
 use crate::analysis::{cross::blame::oriented, cross::fold::fold, cross::halves::join_halves, cross::roles};
-use crate::source::{Confidence, Place, SourceId, SourceKind};
+use crate::source::{Confidence, Place, SourceId, SourceKind, packages};
 use crate::verdict::Judge;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
@@ -180,7 +180,10 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparison>
         (Rank::File, Rank::File) if is_launched(world, a) && is_launched(world, b) => None,
         (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparison::Same),
         (Rank::File, Rank::File) => {
-            let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
+            let folder = |id: SourceId| {
+                let dir = Path::new(world.path(id)).parent()?;
+                Some(packages::whole_of(dir, Path::new("")))
+            };
             if folder(a.place.source) != folder(b.place.source) {
                 return None;
             }

@@ -4,3 +4,4 @@ pub(crate) mod alike;
 pub(crate) mod cameras;
 pub(crate) mod image_frame;
 pub(crate) mod optical;
+pub(crate) mod sides;

@@ -61,8 +61,8 @@ pub(in crate::cli) struct ReportOptions {
     /// The format follows from the file's extension (.sarif, .html, .json, .jsonl, .xml, .md) unless --format names another.
     /// `FORMAT=FILE` sets the format of one file (`--output sarif=frames.sarif --output junit=frames.xml`). The counts and
     /// the verdict go to standard error.
-    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, add = ArgValueCompleter::new(outputs))]
-    pub(in crate::cli) output: Vec<Output>,
+    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output::<Format>, add = ArgValueCompleter::new(outputs))]
+    pub(in crate::cli) output: Vec<Output<Format>>,
     /// Overwrite existing files that are not reports
     ///
     /// With --fix: also change files that are read-only, have several names (links), or are outside the checked paths.
@@ -88,7 +88,7 @@ impl ReportOptions {
     }
 
     /// The format of a report in a file.
-    pub(in crate::cli) fn format_of(&self, output: &Output) -> Format {
+    pub(in crate::cli) fn format_of(&self, output: &Output<Format>) -> Format {
         match (output.format, self.format) {
             (None, Format::Human) => by_ending(&output.file),
             (Some(format), _) | (None, format) => format,
@@ -113,10 +113,10 @@ impl ReportOptions {
     }
 }
 
-/// A file for a report.
+/// A file for a report in one of the formats `F`.
 #[derive(Clone, Debug)]
-pub(in crate::cli) struct Output {
+pub(in crate::cli) struct Output<F> {
     /// Its format; `None`: that of `--format`.
-    pub(in crate::cli) format: Option<Format>,
+    pub(in crate::cli) format: Option<F>,
     pub(in crate::cli) file: PathBuf,
 }

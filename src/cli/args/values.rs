@@ -90,21 +90,21 @@ pub(super) fn outputs(current: &OsStr) -> Vec<CompletionCandidate> {
     known
 }
 
-/// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
-#[allow(clippy::unnecessary_wraps)] // clap requires a result
-pub(super) fn output(text: &str) -> Result<Output, String> {
+/// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file; a format alone is no file.
+pub(super) fn output<F: ValueEnum>(text: &str) -> Result<Output<F>, String> {
+    let format = |word: &str| F::from_str(word, false).ok();
+    if format(text).is_some() {
+        return Err(format!(
+            "this is a format: use --format {text}, {text}=FILE, or ./{text} for a file of this name"
+        ));
+    }
     let known = text
         .split_once('=')
-        .and_then(|(word, file)| Some((Format::from_str(word, false).ok()?, file)));
-    Ok(match known {
-        Some((format, file)) => Output {
-            format: Some(format),
-            file: PathBuf::from(file),
-        },
-        None => Output {
-            format: None,
-            file: PathBuf::from(text),
-        },
+        .and_then(|(word, file)| Some((format(word)?, file)));
+    let (format, file) = known.map_or((None, text), |(format, file)| (Some(format), file));
+    Ok(Output {
+        format,
+        file: PathBuf::from(file),
     })
 }
 

@@ -14,10 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::analysis::cross::fit::Fit;
-use crate::source::SourceId;
+use crate::source::{SourceId, packages};
 use crate::world::{FrameId, FrameRole, Robot, World};
 
-use super::{Member, is_robot, packages, world};
+use super::{Member, is_robot, world};
 
 /// Members of each world, and notes on how they were joined.
 #[derive(Default)]

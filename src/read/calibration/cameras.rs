@@ -1,6 +1,7 @@
-//! Intrinsics in files: those of camera_info_manager, and saved messages sensor_msgs/CameraInfo.
+//! Intrinsics in files: those of camera_info_manager, saved messages sensor_msgs/CameraInfo, and pinhole cameras of Kalibr.
 //!
-//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp); CameraInfo.msg of ROS 1 and ROS 2. Must not know whether they match a camera.
+//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp); CameraInfo.msg of ROS 1 and ROS 2; Kalibr's wiki, "yaml formats" (also
+//! `sensor.yaml` of EuRoC). Must not know whether they match a camera.
 
 use crate::source::{Place, SourceId, Span};
 use crate::world::camera::{CameraFile, CameraModel};
@@ -46,8 +47,50 @@ const FORMS: [Form; 3] = [
     },
 ];
 
-/// The camera of a document. A matrix with a wrong number of values is a fault of the file.
-pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<CameraFile>, Vec<(Span, String)>) {
+/// The cameras of a document. A matrix with a wrong number of values is a fault of the file.
+pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Vec<CameraFile>, Vec<(Span, String)>) {
+    let (published, faults) = of_message(root, source, text);
+    let below = root.pairs().iter().filter_map(|(key, node)| Some((key.text()?, node)));
+    let of_kalibr = [("camera", root)].into_iter().chain(below);
+    let of_kalibr = of_kalibr.filter_map(|(name, node)| of_kalibr_camera(name, node, source, text));
+    (published.into_iter().chain(of_kalibr).collect(), faults)
+}
+
+/// `intrinsics: [fx, fy, cx, cy]` beside `resolution: [width, height]`.
+fn of_kalibr_camera(name: &str, camera: &Node, source: SourceId, text: &str) -> Option<CameraFile> {
+    let word = |key: &str| camera.get(key).and_then(Node::text).map(str::trim);
+    if word("camera_model").is_some_and(|model| model != "pinhole") {
+        return None;
+    }
+    let values = |key: &str| Some(numbers::values(numbers::numbers(camera.get(key)?, text)?.literals()));
+    let [fx, fy, cx, cy]: [f64; 4] = values("intrinsics")?.try_into().ok()?;
+    let sides = camera.get("resolution")?.items()?.iter();
+    let size: Vec<u32> = sides.filter_map(|side| side.text()?.trim().parse().ok()).collect();
+    let coefficients = ["distortion_coeffs", "distortion_coefficients"]
+        .into_iter()
+        .find_map(values);
+    Some(CameraFile {
+        name: name.to_owned(),
+        place: Place::text(source, camera.get("intrinsics")?.span),
+        camera: CameraModel {
+            size: size.try_into().ok()?,
+            model: match word("distortion_model").unwrap_or_default() {
+                "radtan" | "radial-tangential" => "plumb_bob",
+                "equi" => "equidistant",
+                other => other,
+            }
+            .to_owned(),
+            d: coefficients.unwrap_or_default(),
+            k: [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
+            r: [0.0; 9],
+            p: [0.0; 12],
+            binning: [0; 2],
+            roi: [0; 4],
+        },
+    })
+}
+
+fn of_message(root: &Node, source: SourceId, text: &str) -> (Option<CameraFile>, Vec<(Span, String)>) {
     let is_in = |form: &&Form| {
         let keys = [form.width, form.height, form.k, form.d];
         keys.iter().all(|key| root.get(key).is_some())

@@ -11,7 +11,7 @@ use crate::world::{FrameId, FrameRole, Literal, Spelling};
 
 use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
-use super::frames::NamedFrames;
+use super::frames::{self, NamedFrames};
 use super::names::{self, PairHalf};
 use super::numbers::{self, Numbers};
 use super::shapes::{self, Draft, Rotation};
@@ -209,8 +209,9 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
         shapes::flat_rotation(node, speaks, names::says_degrees(key))
     });
     let draft = draft.or_else(|| {
-        // A known format may state a position alone.
-        let (xyz, metres) = shapes::translation(key, node, walk.text, terms).filter(|_| terms.are_known())?;
+        // A known format may state a position alone, and so may a mapping that names both frames.
+        let may_be_alone = terms.are_known() || frames::stated(node).is_some();
+        let (xyz, metres) = shapes::translation(key, node, walk.text, terms).filter(|_| may_be_alone)?;
         shapes::combine(Some(&xyz), None, metres, node.span)
     });
     if let Some(draft) = draft {
@@ -347,6 +348,15 @@ fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
             consumed.insert(index);
             pair.rotations.push((key, rotation, child.span));
         }
+    }
+    // `xyz: [...]` beside `roll`, `pitch` and `yaw`.
+    if let Some(pair) = pairs
+        .iter_mut()
+        .find(|pair| pair.stem.is_empty() && pair.rotations.is_empty())
+        && let Some((key, ..)) = pair.translation
+        && let Some((rotation, span)) = shapes::angles(node, walk.terms(key.text().unwrap_or_default()).degrees)
+    {
+        pair.rotations.push((key, rotation, span));
     }
     let filter = node.get("Q").is_some();
     for pair in pairs {

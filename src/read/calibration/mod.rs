@@ -155,8 +155,8 @@ fn read_text(
         facts.ousters.extend(ouster::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
         facts.frames.extend(parameters::collect(root, source.id));
-        let (camera, faults) = cameras::collect(root, source.id, text);
-        facts.cameras.extend(camera);
+        let (cameras, faults) = cameras::collect(root, source.id, text);
+        facts.cameras.extend(cameras);
         problems.extend(faults);
         facts.channels.extend(generic::channels(root));
         let launched = launch::collect_yaml(root, text, source.id);

@@ -231,6 +231,35 @@ pub(super) fn says_degrees(key: &str) -> bool {
     has(key, &["deg", "degree", "degrees"])
 }
 
+/// Whether comments of a text state that its angles are degrees: words on angles and that unit, without a number, which would be about one
+/// angle (`# roll, pitch, yaw in deg`, not `# yaw: 90 deg to the left`). Another comment on radians leaves it open.
+pub(super) fn comments_say_degrees(text: &str) -> bool {
+    const ANGLES: &[&str] = &[
+        "roll",
+        "pitch",
+        "yaw",
+        "rpy",
+        "angle",
+        "angles",
+        "euler",
+        "rotation",
+        "rotations",
+    ];
+    const DEGREES: &[&str] = &["deg", "degree", "degrees"];
+    const RADIANS: &[&str] = &["rad", "radian", "radians"];
+    let comments = text.lines().filter_map(|line| Some(line.split_once('#')?.1));
+    let says = |comment: &str, units: &[&str]| {
+        !comment.contains(|letter: char| letter.is_ascii_digit()) && has(comment, ANGLES) && has(comment, units)
+    };
+    let (mut degrees, mut radians) = (false, false);
+    for comment in comments {
+        let comment = comment.replace(['/', '.'], " ");
+        degrees |= says(&comment, DEGREES);
+        radians |= says(&comment, RADIANS);
+    }
+    degrees && !radians
+}
+
 /// Whether a key states that its lengths are millimetres.
 pub(super) fn says_millimetres(key: &str) -> bool {
     has(key, &["mm", "millimetres", "millimeters"])
@@ -250,6 +279,24 @@ pub(super) fn says_order(key: &str) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_comment_on_angles_states_their_unit() {
+        for text in [
+            "# xyz in m, roll/pitch/yaw in deg (fixed axes, as in URDF)\na: 1",
+            "rpy: [0, 0, 90] # rpy in degrees.",
+        ] {
+            assert!(comments_say_degrees(text), "{text}");
+        }
+        for text in [
+            "yaw: 1.5708 # yaw is 90 deg to the left",
+            "# field of view in deg",
+            "# angles in rad, limits of angles in deg",
+            "degrees: yes",
+        ] {
+            assert!(!comments_say_degrees(text), "{text}");
+        }
+    }
 
     #[test]
     fn matrices_of_cameras_and_imus_are_never_transforms() {

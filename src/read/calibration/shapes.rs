@@ -214,7 +214,8 @@ pub(super) fn rotation(key: &str, half: PairHalf, node: &Node, source: &str, ter
         if let Some(four) = found.vector(4) {
             return quaternion(four, names::says_order(key).or(terms.xyzw));
         }
-        let three = found.vector(3).filter(|_| half == PairHalf::Angles)?.to_vec();
+        let is_of_angles = half == PairHalf::Angles || names::says_degrees(key);
+        let three = found.vector(3).filter(|_| is_of_angles)?.to_vec();
         return Some(Rotation::Rpy {
             literals: three,
             degrees,
@@ -232,18 +233,15 @@ pub(super) fn rotation(key: &str, half: PairHalf, node: &Node, source: &str, ter
             order_known: true,
         });
     }
-    angles(node, degrees)
+    Some(angles(node, degrees)?.0)
 }
 
-/// `{roll, pitch, yaw}`.
-fn angles(node: &Node, degrees: bool) -> Option<Rotation> {
-    let plain = fields(node, ANGLES).map(|literals| Rotation::Rpy { literals, degrees });
-    plain.or_else(|| {
-        fields(node, ANGLES_DEG).map(|literals| Rotation::Rpy {
-            literals,
-            degrees: true,
-        })
-    })
+/// `{roll, pitch, yaw}`, and where they are.
+pub(super) fn angles(node: &Node, degrees: bool) -> Option<(Rotation, Span)> {
+    let plain = fields(node, ANGLES).map(|literals| (literals, degrees));
+    let (literals, degrees) = plain.or_else(|| Some((fields(node, ANGLES_DEG)?, true)))?;
+    let span = literals.iter().map(|literal| literal.span).reduce(Span::cover)?;
+    Some((Rotation::Rpy { literals, degrees }, span))
 }
 
 /// A pose whose numbers are all keys of one mapping: `{x, y, z, roll, pitch, yaw}`, `{px, py, pz, qx, qy, qz, qw}`.
@@ -254,7 +252,7 @@ pub(super) fn flat_pose(key: &str, node: &Node, source: &str, terms: Terms) -> O
             literals,
             order_known: true,
         },
-        None => angles(node, terms.degrees || names::says_degrees(key))?,
+        None => angles(node, terms.degrees || names::says_degrees(key))?.0,
     };
     combine(Some(&position), Some(&rotation), metres, node.span)
 }
@@ -299,7 +297,7 @@ pub(super) fn flat_rotation(node: &Node, speaks_of_rotation: bool, degrees: bool
             literals,
             order_known: true,
         },
-        None if speaks_of_rotation => angles(node, degrees)?,
+        None if speaks_of_rotation => angles(node, degrees)?.0,
         _ => return None,
     };
     combine(None, Some(&rotation), 1.0, node.span)

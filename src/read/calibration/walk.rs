@@ -41,6 +41,8 @@ pub(super) struct Walk<'a> {
     pub(super) text: &'a str,
     /// The dialect of the file, where it is known.
     dialect: Option<&'a Dialect>,
+    /// What holds where the dialect says nothing.
+    generic: Terms,
     path: Vec<Step<'a>>,
     found: Vec<KeyedClaim>,
     chains: Vec<DeclaredChain>,
@@ -54,6 +56,10 @@ impl<'a> Walk<'a> {
             source,
             text,
             dialect,
+            generic: Terms {
+                degrees: names::comments_say_degrees(text),
+                ..dialect::GENERIC
+            },
             path: Vec::new(),
             found: Vec::new(),
             chains: Vec::new(),
@@ -129,7 +135,7 @@ impl<'a> Walk<'a> {
     /// Units and order of the current value, or of the one under a key in it.
     pub(super) fn terms(&self, last: &str) -> Terms {
         let said = self.entry(last).or_else(|| self.entry(""));
-        said.map_or(dialect::GENERIC, |said| said.terms())
+        said.map_or(self.generic, |said| said.terms())
     }
 
     /// Whether the dialect names the key of the current value, or the value is the half of something that it names.

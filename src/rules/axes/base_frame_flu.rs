@@ -155,7 +155,10 @@ fn turned(base: &Base, subject: String, seen: &BaseEstimate, up: Axis) -> Findin
     } else {
         Finding::warning(subject, message, base.place.clone())
     };
-    let finding = finding.likely().detail(format!("{because}{doubt}{known}"));
+    let finding = finding
+        .likely()
+        .detail(format!("{because}{doubt}{known}"))
+        .unless(codes::CROSS08);
     let (Some(letters), Some(forward)) = (spelled, seen.forward) else {
         return finding.help(format!(
             "{else_do}publish `{frame}` with x forward, y left, z up (REP-103), twist and covariances too; keep the present axes as a \

@@ -1,5 +1,7 @@
 //! CAMERA03: distortion coefficients that do not match their model, or that fold within the image.
 
+mod models;
+
 use crate::analysis::camera::published::Intrinsics;
 use crate::math::distortion::{RadialModel, Reach};
 use crate::rules::prelude::*;
@@ -25,6 +27,7 @@ impl Rule for CameraInfoDistortion {
                 judge_model(&published, subject, limits, out);
             }
         }
+        models::judge(world, out);
     }
 }
 

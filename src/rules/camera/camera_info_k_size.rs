@@ -1,5 +1,7 @@
 //! CAMERA02: intrinsics that contradict the image.
 
+mod sizes;
+
 use std::collections::BTreeMap;
 
 use crate::analysis::camera::published::{Intrinsics, RecordedCamera};
@@ -18,6 +20,7 @@ pub(crate) struct Limits {
     least_view_deg: f64,
     most_view_deg: f64,
     same_ratio: f64,
+    same_k: f64,
 }
 
 /// What to do where K is for an image that is so many times as large as this one.
@@ -38,9 +41,10 @@ impl Rule for CameraInfoKSize {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let compared = sizes::judge(world, limits, out);
         let spaces: Vec<BTreeMap<&str, Namespace>> = world.bags.iter().map(spaces).collect();
         for published in RecordedCamera::all(world) {
-            judge_k(&published.intrinsics(), limits, out);
+            judge_k(&published.intrinsics(), &compared, limits, out);
             let space = spaces.get(published.index).and_then(|of| of.get(published.namespace()));
             let Some(space) = space.filter(|space| !space.images.is_empty()) else {
                 continue;
@@ -56,7 +60,7 @@ impl Rule for CameraInfoKSize {
             }
         }
         for camera in Intrinsics::of_files(world) {
-            judge_k(&camera, limits, out);
+            judge_k(&camera, &compared, limits, out);
         }
     }
 }
@@ -83,7 +87,8 @@ fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Namespace<'_>> {
     spaces
 }
 
-fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
+/// `compared`: the subjects of calibrations whose K is known to be for another size, each with that of the finding.
+fn judge_k(published: &Intrinsics, compared: &BTreeMap<String, String>, limits: &Limits, out: &mut Judge) {
     let subject = published.subject.clone();
     let calibration = published.calibration;
     let k = &calibration.k;
@@ -153,6 +158,8 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
             let message = format!("K {}{words}", published.whose);
             let mut finding = Finding::warning(subject, message, published.place.clone()).likely();
             finding.severity = severity;
+            let same_cause = compared.get(&published.subject).into_iter();
+            let finding = same_cause.fold(finding, Finding::same_cause_as);
             let finding = match relation {
                 "not-rescaled" => finding.detail(format!(
                     "cx, cy = {cx:.1}, {cy:.1} are expected near the centre of the image, {:.0}, {:.0}. The size that K is for is estimated from them.",

@@ -296,7 +296,7 @@ impl<'m> Compared<'m> {
     fn wrong(&self, named: &Reading, best: &Reading) -> Finding {
         let (topic, tf) = (&self.poses.topic, &self.tf.subject);
         let name = &named.frame;
-        match (best.way, best.turn) {
+        let finding = match (best.way, best.turn) {
             (Way::Inverse, _) => self.inverse(),
             (Way::Mirrored, _) => self
                 .finding(format!("poses on `{topic}` are the mirror image of {tf}"), "mirrored")
@@ -313,7 +313,13 @@ impl<'m> Compared<'m> {
                     turn.word(),
                 )
                 .help(format!("rotate the orientations: world_from_{name} = pose * R^T, with R the rotation {}", turn.word())),
-        }
+        };
+        let severity = if best.way == Way::Direct && best.turn.is_none() {
+            Severity::Warning
+        } else {
+            Severity::Error
+        };
+        Finding { severity, ..finding }
     }
 
     /// The finding that one of the two is the inverse: the velocity of the topic says which.

@@ -109,7 +109,7 @@ fn judge_pair(
     if let Some(aspect) = a.shown_by.or(b.shown_by) {
         finding = finding.unless(rule_of(aspect));
     }
-    Some(finding.measured(measured))
+    Some(finding.unless(codes::CROSS08).measured(measured))
 }
 
 fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {

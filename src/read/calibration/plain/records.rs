@@ -7,13 +7,27 @@ use super::{Form, scalar, text_lines, value, words};
 use crate::source::Span;
 
 /// Sets of column names: a table has transforms if it has a position and a rotation, each by one set.
-const PLACES: [[&str; 3]; 4] = [
+const PLACES: [[&str; 3]; 7] = [
     ["x", "y", "z"],
     ["tx", "ty", "tz"],
     ["px", "py", "pz"],
+    ["x_m", "y_m", "z_m"],
     ["tx_m", "ty_m", "tz_m"],
+    ["x_mm", "y_mm", "z_mm"],
+    ["tx_mm", "ty_mm", "tz_mm"],
 ];
-const ROTATIONS: [&[&str]; 2] = [&["qx", "qy", "qz", "qw"], &["roll", "pitch", "yaw"]];
+const ROTATIONS: [&[&str]; 4] = [
+    &["qx", "qy", "qz", "qw"],
+    &["roll", "pitch", "yaw"],
+    &["roll_deg", "pitch_deg", "yaw_deg"],
+    &["roll_rad", "pitch_rad", "yaw_rad"],
+];
+/// Columns that name the two frames of a transform: with these, a position alone is one.
+const FRAMES: [[&str; 2]; 3] = [
+    ["parent", "child"],
+    ["parent_frame", "child_frame"],
+    ["target_frame", "source_frame"],
+];
 /// With one of these columns, the rows are poses at different times of a drive.
 const TIMES: [&str; 6] = ["time", "timestamp", "timestamp_ns", "stamp", "sec", "t"];
 /// How COLMAP states the meaning of its lines.
@@ -23,14 +37,22 @@ const OPENVINS: &str = "# timestamp(s) q p v bg ba";
 /// Rows that are read.
 const MAX_ROWS: usize = 20_000;
 
-/// The form of a table by its line of names.
+/// The form of a table by its line of names, which comments may precede.
 pub(super) fn table_form(head: &str) -> Option<Form> {
-    let names: Vec<String> = fields(head.lines().next()?, 0)
-        .into_iter()
-        .map(|(name, _)| column(name))
-        .collect();
+    let mut begin = head.lines().filter(|line| !line.trim().is_empty());
+    begin.find_map(|line| Some(form_of_names(line)).filter(|form| form.is_some() || !is_comment(line)))?
+}
+
+/// Whether a line is a comment, unless it has the names of the columns.
+fn is_comment(line: &str) -> bool {
+    line.trim_start().starts_with('#')
+}
+
+fn form_of_names(line: &str) -> Option<Form> {
+    let names: Vec<String> = fields(line, 0).into_iter().map(|(name, _)| column(name)).collect();
     let has = |set: &[&str]| set.iter().all(|name| names.iter().any(|known| known == name));
-    let is_of_transforms = PLACES.iter().any(|set| has(set)) && ROTATIONS.iter().any(|set| has(set));
+    let has_more = ROTATIONS.iter().any(|set| has(set)) || FRAMES.iter().any(|set| has(set));
+    let is_of_transforms = PLACES.iter().any(|set| has(set)) && has_more;
     let is_of_time = names.iter().any(|name| TIMES.contains(&name.as_str()));
     match (is_of_transforms, is_of_time) {
         (true, false) => Some(Form::Table),
@@ -72,7 +94,7 @@ fn fields(line: &str, start: usize) -> Vec<(&str, Span)> {
 /// A list of mappings, one a row.
 pub(super) fn table(text: &str) -> (Node, Option<Fault>) {
     let mut lines = text_lines(text).filter(|(_, line)| !line.trim().is_empty());
-    let Some((start, first)) = lines.next() else {
+    let Some((start, first)) = lines.find(|(_, line)| form_of_names(line).is_some()) else {
         return (mapping(text, Vec::new()), None);
     };
     let names: Vec<(String, Span)> = fields(first, start)
@@ -81,7 +103,7 @@ pub(super) fn table(text: &str) -> (Node, Option<Fault>) {
         .collect();
     let mut rows = Vec::new();
     let mut wrong = None;
-    for (start, line) in lines {
+    for (start, line) in lines.filter(|(_, line)| !is_comment(line)) {
         let found = fields(line, start);
         if found.len() != names.len() {
             let message = format!("{} fields, but the line of names has {}", found.len(), names.len());

@@ -197,6 +197,21 @@ fn tables_have_a_transform_in_each_row() {
         Some(Form::Moments)
     );
     assert_eq!(form("csv", "roll_offset_degree,roll_offset_rad\n1,2\n"), None);
+    let surveyed = "parent,child,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\nbase,lidar,1,2,3,0,0,90\n";
+    let (_, facts) = plain("survey.csv", surveyed);
+    let pose = facts.claims[0].pose.unwrap().isometry();
+    assert!((pose.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    let arms = plain("arms.csv", "parent,child,x,y,z\nimu,antenna,-1,0.5,2\n").1.claims;
+    assert_eq!(frames(&arms[0]), "imu<-antenna");
+    assert!(arms[0].has_translation && !arms[0].has_rotation);
+    // Comments before the names, and between the rows.
+    let remarked = "# surveyed 2026-03-02, metres and radians\n\nparent,child,x,y,z,roll,pitch,yaw\n# the roof\nbase,lidar,1,2,3,0,0,1.5\n";
+    assert_eq!(said("c.csv", remarked), pairs(&[("c/0", "base<-lidar")]));
+    assert_eq!(
+        form("csv", "# x,y,z,roll,pitch,yaw\n1,2,3,0,0,1.5\n"),
+        Some(Form::Table)
+    );
+    assert_eq!(form("csv", "a,b\nx,y,z,roll,pitch,yaw\n1,2,3,0,0,1.5\n"), None);
     let (source, facts) = plain("c.csv", "x,y,z,roll,pitch,yaw\n1,2,3,0,0,1.5\n1,2,3\n");
     assert_eq!((source.status, facts.claims.len()), (ReadStatus::Partial, 1));
     assert!(

@@ -4,11 +4,11 @@ use nalgebra::UnitQuaternion;
 
 use super::Seen;
 use crate::analysis::axes::causes::Base;
-use crate::analysis::axes::imu_mounting::{ImuMounting, Limits};
+use crate::analysis::axes::imu_mounting::{EXACT, ImuMounting, Limits};
 use crate::math::constants::AxisTurn;
 use crate::math::rotation::rpy_in_words;
 use crate::rules::codes;
-use crate::verdict::{Finding, RuleCode};
+use crate::verdict::{Finding, RuleCode, Severity};
 
 /// Rules that name the cause of some of the same differences.
 const SPOKEN: [RuleCode; 8] = [
@@ -109,7 +109,15 @@ impl Seen<'_> {
             ))
             .help(help)
             .related(found.poses.1.clone(), "poses");
-        let finding = relation.into_iter().fold(finding, Finding::relation);
-        SPOKEN.into_iter().fold(finding, Finding::unless)
+        match relation {
+            // It explains what every other rule measures of this sensor.
+            Some(exact) if EXACT.contains(&exact) => Finding {
+                severity: Severity::Error,
+                ..finding.relation(exact).unless(codes::CROSS08)
+            },
+            known => SPOKEN
+                .into_iter()
+                .fold(known.into_iter().fold(finding, Finding::relation), Finding::unless),
+        }
     }
 }

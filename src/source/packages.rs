@@ -8,13 +8,16 @@ const PARTS: &[&str] = &[
     "calib",
     "calibration",
     "calibrations",
+    "camera_info",
     "cfg",
     "conf",
     "config",
     "configs",
     "description",
     "extrinsics",
+    "individual_params",
     "intrinsics",
+    "kalibr",
     "launch",
     "map",
     "maps",
@@ -23,12 +26,13 @@ const PARTS: &[&str] = &[
     "params",
     "result",
     "results",
+    "survey",
     "urdf",
     "xacro",
 ];
 
-/// The folder of which this one holds a kind of files; the folder itself where its name says nothing of the kind.
-pub(super) fn whole_of(dir: &Path, root: &Path) -> PathBuf {
+/// The folder of which this one holds a kind of files, at most `root`; the folder itself where its name says nothing of the kind.
+pub(crate) fn whole_of(dir: &Path, root: &Path) -> PathBuf {
     let is_part = |folder: &&Path| {
         let name = folder.file_name().map(|name| name.to_string_lossy().to_lowercase());
         **folder != *root && name.is_some_and(|name| PARTS.contains(&name.as_str()))

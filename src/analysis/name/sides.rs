@@ -1,0 +1,223 @@
+//! Frames whose names differ only in a word for left and right, and where they are in the platform's base.
+//!
+//! Must not judge.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{Isometry3, Vector3};
+
+use crate::analysis::{names, places};
+use crate::source::Place;
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::{FrameId, World};
+
+/// Words for a left part, with those for the right one: alone, or of corners and of limbs (front left, left hind).
+const SIDES: &[[&str; 2]] = &[
+    ["left", "right"],
+    ["l", "r"],
+    ["fl", "fr"],
+    ["ml", "mr"],
+    ["rl", "rr"],
+    ["bl", "br"],
+    ["hl", "hr"],
+    ["lf", "rf"],
+    ["lm", "rm"],
+    ["lr", "rr"],
+    ["lb", "rb"],
+    ["lh", "rh"],
+];
+
+/// A frame in the base of its platform.
+#[derive(Clone)]
+pub(crate) struct Placed {
+    pub(crate) frame: FrameId,
+    pub(crate) base_from_frame: Isometry3<f64>,
+    /// Whether its origin stays where it is in the base: only its own joint may move.
+    pub(crate) stays: bool,
+    /// Its transform from its parent; `None` where a file states it in the base.
+    pub(crate) own: Option<Own>,
+    pub(crate) place: Place,
+}
+
+/// The transform of a frame from its parent.
+#[derive(Clone)]
+pub(crate) struct Own {
+    pub(crate) parent: FrameId,
+    pub(crate) parent_from_frame: Isometry3<f64>,
+    pub(crate) is_rigid: bool,
+}
+
+/// A frame named left, and its counterpart.
+pub(crate) struct Pair {
+    pub(crate) left: Placed,
+    pub(crate) right: Placed,
+}
+
+impl Pair {
+    /// From the right one to the left one, in the base, metres.
+    pub(crate) fn leftward(&self) -> Vector3<f64> {
+        self.left.base_from_frame.translation.vector - self.right.base_from_frame.translation.vector
+    }
+
+    /// Whether both stay where they are in the base.
+    pub(crate) fn stays(&self) -> bool {
+        self.left.stays && self.right.stays
+    }
+
+    /// How far the left one is from the mirror image of the right one, metres.
+    pub(crate) fn asymmetry_m(&self) -> f64 {
+        off_mirror_m(&self.left.base_from_frame, &self.right.base_from_frame)
+    }
+
+    /// The coordinate of the transform from the parent that, negated in one of the two, makes them mirror images, with the asymmetry that
+    /// remains, metres.
+    pub(crate) fn negated(&self) -> Option<(&'static str, f64)> {
+        let negated = |placed: &Placed, index: usize| {
+            let own = placed.own.as_ref()?;
+            let base_from_parent = placed.base_from_frame * own.parent_from_frame.inverse();
+            let mut turned = own.parent_from_frame;
+            let number = turned.translation.vector.get_mut(index)?;
+            *number = -*number;
+            Some(base_from_parent * turned)
+        };
+        let asymmetries = ["x", "y", "z"].into_iter().enumerate().filter_map(|(index, word)| {
+            let left = off_mirror_m(&negated(&self.left, index)?, &self.right.base_from_frame);
+            let right = off_mirror_m(&self.left.base_from_frame, &negated(&self.right, index)?);
+            Some((word, left.min(right)))
+        });
+        asymmetries.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Whether the left one, rotated in the base, sees the right one on its right, in its own axes (of a link, or optical).
+    pub(crate) fn looks_backward(&self) -> bool {
+        const MOSTLY: f64 = 0.7;
+        let seen = self.left.base_from_frame.rotation.inverse() * -self.leftward();
+        let is_turned = self.left.base_from_frame.rotation.angle() > 0.1;
+        let (link, optical) = (-seen.y, seen.x);
+        is_turned && link.max(optical) > MOSTLY * seen.norm()
+    }
+}
+
+fn off_mirror_m(left: &Isometry3<f64>, right: &Isometry3<f64>) -> f64 {
+    let (l, r) = (left.translation.vector, right.translation.vector);
+    Vector3::new(l.x - r.x, l.y + r.y, l.z - r.z).norm()
+}
+
+/// The pairs of a platform in one base frame, by the frame tree or by one file.
+pub(crate) struct Group {
+    pub(crate) base: FrameId,
+    pub(crate) pairs: Vec<Pair>,
+}
+
+impl Group {
+    /// Whether the base is one by REP-105, not that of a gripper or an arm.
+    pub(crate) fn is_of_whole_platform(&self) -> bool {
+        is_standard(&self.base)
+    }
+}
+
+/// All pairs of a world: those of the frame tree by base frame, then those that files state in a base frame.
+pub(crate) fn groups(world: &World) -> Vec<Group> {
+    let graph = world.graph();
+    let mut known = BTreeSet::new();
+    let mut groups = Vec::new();
+    let is_root = |frame: &FrameId| graph.edges_to(frame).next().is_none();
+    let is_body = |frame: &&FrameId| is_base_of_axes(frame) && (is_root(frame) || is_standard(frame));
+    let bases = graph.frames.iter().filter(is_body);
+    for base in bases {
+        let usable = |edge: &Edge| edge.is_rigid || matches!(edge.origin, EdgeOrigin::Joint(_));
+        let placed = graph
+            .reach(base, usable)
+            .into_iter()
+            .filter_map(|(frame, base_from_frame)| {
+                let edge = graph.edges_to(frame).next()?;
+                Some(Placed {
+                    frame: frame.clone(),
+                    base_from_frame,
+                    stays: graph.rigid().between(base, &edge.parent).is_some(),
+                    own: Some(Own {
+                        parent: edge.parent.clone(),
+                        parent_from_frame: edge.pose?,
+                        is_rigid: edge.is_rigid,
+                    }),
+                    place: places::of_numbers(world, edge)?,
+                })
+            });
+        let mut pairs = pairs(placed.collect());
+        pairs.retain(|pair| known.insert((pair.left.frame.clone(), pair.right.frame.clone())));
+        groups.push(Group {
+            base: base.clone(),
+            pairs,
+        });
+    }
+    let mut stated: BTreeMap<_, Vec<Placed>> = BTreeMap::new();
+    for claim in world
+        .claims
+        .iter()
+        .filter(|claim| !claim.is_published() && claim.is_rigid())
+    {
+        let (Some(target), Some(frame), Some(pose)) = (claim.target(), claim.source_frame(), &claim.pose) else {
+            continue;
+        };
+        if claim.has_translation && is_base_of_axes(target) && !graph.frames.contains(&frame.canonical()) {
+            stated
+                .entry((claim.place.source, target.canonical()))
+                .or_default()
+                .push(Placed {
+                    frame: frame.canonical(),
+                    base_from_frame: pose.isometry(),
+                    stays: true,
+                    own: None,
+                    place: claim.place.clone(),
+                });
+        }
+    }
+    groups.extend(stated.into_iter().map(|((_, base), placed)| Group {
+        base,
+        pairs: pairs(placed),
+    }));
+    groups.retain(|group| !group.pairs.is_empty());
+    groups
+}
+
+/// Whether a frame has x forward, y left, z up by its name (REP-105): it is the base of the whole platform, and declares no other axes.
+fn is_base_of_axes(frame: &FrameId) -> bool {
+    let tokens = frame.tokens();
+    let is_of_side = tokens
+        .iter()
+        .any(|word| SIDES.iter().flatten().any(|side| side == word));
+    let declares = tokens
+        .iter()
+        .any(|word| matches!(word.as_str(), "frd" | "ned" | "rfu" | "optical"));
+    names::is_base(frame) && !is_of_side && !declares
+}
+
+fn is_standard(frame: &FrameId) -> bool {
+    matches!(names::standard(frame), Some((_, names::Standard::Base)))
+}
+
+fn pairs(placed: Vec<Placed>) -> Vec<Pair> {
+    let by_words: BTreeMap<Vec<String>, Placed> = placed
+        .into_iter()
+        .map(|placed| (placed.frame.tokens(), placed))
+        .collect();
+    let counterpart = |words: &[String]| {
+        let sides = words.iter().enumerate().flat_map(|(at, word)| {
+            let of_word = SIDES.iter().filter(move |[left, _]| left == word);
+            of_word.map(move |[_, right]| (at, *right))
+        });
+        let mut found = sides.filter_map(|(at, right)| {
+            let mut other = words.to_vec();
+            right.clone_into(other.get_mut(at)?);
+            by_words.get(&other)
+        });
+        found.next()
+    };
+    let pairs = by_words.iter().filter_map(|(words, left)| {
+        Some(Pair {
+            left: left.clone(),
+            right: counterpart(words)?.clone(),
+        })
+    });
+    pairs.collect()
+}
