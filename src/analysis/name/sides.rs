@@ -45,6 +45,8 @@ pub(crate) struct Own {
     pub(crate) parent: FrameId,
     pub(crate) parent_from_frame: Isometry3<f64>,
     pub(crate) is_rigid: bool,
+    /// The axis of its joint in the base, and the joint's limits, if it has both.
+    turning: Option<(Vector3<f64>, [f64; 2])>,
 }
 
 /// A frame named left, and its counterpart.
@@ -86,6 +88,32 @@ impl Pair {
             Some((word, left.min(right)))
         });
         asymmetries.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Whether the joints of the two turn as mirror images, by their axes in the base and their limits; `None` where the limits do not say.
+    ///
+    /// An axis is a pseudovector: its mirror image about the plane y = 0 is (-x, y, -z). Equal limits belong to that axis, limits with the other
+    /// signs to its opposite.
+    pub(crate) fn turns_alike(&self) -> Option<bool> {
+        const ALIKE: f64 = 1e-3;
+        const PARALLEL: f64 = 0.99;
+        let turning = |placed: &Placed| placed.own.as_ref()?.turning;
+        let ((left, [lower, upper]), (right, [other_lower, other_upper])) =
+            (turning(&self.left)?, turning(&self.right)?);
+        let along = Vector3::new(-left.x, left.y, -left.z).dot(&right);
+        let is = |a: f64, b: f64| (a - b).abs() <= ALIKE;
+        let same = is(lower, other_lower) && is(upper, other_upper);
+        let opposite = is(lower, -other_upper) && is(upper, -other_lower);
+        (same != opposite && along.abs() > PARALLEL).then_some((along > 0.0) == same)
+    }
+
+    /// The words of the left name without those for sides and corners: parts of one kind share them.
+    pub(crate) fn kind(&self) -> Vec<String> {
+        let mut words = self.left.frame.tokens();
+        words.retain(|word| {
+            !SIDES.iter().flatten().any(|side| side == word) && !matches!(word.as_str(), "front" | "rear")
+        });
+        words
     }
 
     /// Whether the left one, rotated in the base, sees the right one on its right, in its own axes (of a link, or optical).
@@ -139,6 +167,7 @@ pub(crate) fn groups(world: &World) -> Vec<Group> {
                         parent: edge.parent.clone(),
                         parent_from_frame: edge.pose?,
                         is_rigid: edge.is_rigid,
+                        turning: turning(world, edge, &base_from_frame),
                     }),
                     place: places::of_numbers(world, edge)?,
                 })
@@ -178,6 +207,15 @@ pub(crate) fn groups(world: &World) -> Vec<Group> {
     }));
     groups.retain(|group| !group.pairs.is_empty());
     groups
+}
+
+/// The axis of an edge's joint in the base, and its limits.
+fn turning(world: &World, edge: &Edge, base_from_frame: &Isometry3<f64>) -> Option<(Vector3<f64>, [f64; 2])> {
+    let joint = places::joint_of(world, edge.claim(world)?)?;
+    let limit = joint.limit.as_ref()?;
+    let axis = Vector3::from(joint.axis.as_ref()?.array()?).try_normalize(f64::EPSILON)?;
+    let limits = [limit.lower.as_ref()?.value, limit.upper.as_ref()?.value];
+    Some((base_from_frame.rotation * axis, limits))
 }
 
 /// Whether a frame has x forward, y left, z up by its name (REP-105): it is the base of the whole platform, and declares no other axes.

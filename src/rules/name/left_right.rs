@@ -65,7 +65,7 @@ impl Known<'_> {
         let subject = format!("sides of `{left}` and `{right}`");
         let leftward = pair.leftward();
         let apart = Measured::new("distance of the left one to the left", leftward.y, "m").at_least(limits.min_apart_m);
-        if let Some(finding) = self.negated(pair) {
+        if let Some(finding) = self.negated(pair).or_else(|| self.turns_otherwise(pair)) {
             return out.fail(finding.measured(apart));
         }
         match side(pair, limits) {
@@ -119,6 +119,37 @@ impl Known<'_> {
         finding
             .hint()
             .detail("No other pair of frames shows where left is: the names may be meant as seen from the front.")
+    }
+
+    /// A finding where the axis of one joint is opposite, as the pairs of the same parts at the other end show.
+    fn turns_otherwise(&self, pair: &Pair) -> Option<Finding> {
+        let kind = pair.kind();
+        let alike: Vec<bool> = self
+            .group
+            .pairs
+            .iter()
+            .filter(|other| other.kind() == kind)
+            .filter_map(Pair::turns_alike)
+            .collect();
+        let is_only_one = alike.iter().filter(|is_alike| !**is_alike).count() == 1 && alike.len() > 1;
+        if !is_only_one || pair.turns_alike() != Some(false) {
+            return None;
+        }
+        let (left, right) = (&pair.left.frame, &pair.right.frame);
+        let message =
+            format!("the joints of `{left}` and `{right}` turn in opposite directions within the same limits");
+        let finding = Finding::warning(
+            format!("sides of `{left}` and `{right}`"),
+            message,
+            pair.left.place.clone(),
+        )
+        .likely()
+        .label("the left one")
+        .relation("axis")
+        .related(pair.right.place.clone(), "the right one")
+        .detail("The other pairs of this part turn as mirror images.")
+        .help("negate the axis of the wrong one of the two joints, or negate and exchange its limits");
+        Some(finding)
     }
 
     /// A finding where one sign keeps the two from being mirror images, as others are.
