@@ -1,17 +1,35 @@
-//! Reports of recordings that hold packets of lidars, but no clouds.
+//! Reports of recordings that hold packets of lidars: without clouds, or with clouds of the same lidar.
 
 use crate::analysis::lidar::Clouds;
 use crate::tables::Lidar;
-use crate::verdict::Judge;
+use crate::verdict::{Finding, Judge};
 use crate::world::{World, bag::TopicEvidence};
 
 impl Clouds<'_> {
-    /// Reports for recordings that hold packets of lidars, but no clouds, that packets are not read.
+    /// Reports for recordings that hold packets of lidars, but no clouds, not even decoded ones, that these packets are not read.
     pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
         Self::say_packets_of(world, of, |_| true, out);
     }
 
-    /// The same of certain lidars only.
+    /// A finding on these clouds, hidden if they were decoded from packets and the same is found on what the driver published of this lidar.
+    pub(crate) fn once_per_lidar(&self, world: &World, finding: Finding) -> Finding {
+        if self.evidence.packets.is_none() {
+            return finding;
+        }
+        let (frame, named) = (self.frame(), |topic: &str| format!("`{topic}`"));
+        let mut published = Clouds::published(world).filter(|other| other.index == self.index && other.is_of_a_lidar());
+        match published.find(|other| frame.is_some() && other.frame() == frame) {
+            Some(other) => {
+                let subject = finding
+                    .subject
+                    .replace(&named(&self.topic.topic), &named(&other.topic.topic));
+                finding.same_cause_as(subject)
+            }
+            None => finding,
+        }
+    }
+
+    /// [`Clouds::say_packets`] of certain lidars only.
     pub(crate) fn say_packets_of(world: &World, of: &str, is_wanted: impl Fn(&Lidar) -> bool, out: &mut Judge) {
         for (index, bag) in world.bags.iter().enumerate() {
             if Clouds::all(world).any(|clouds| clouds.index == index) {

@@ -85,6 +85,11 @@ impl<'w> Clouds<'w> {
         })
     }
 
+    /// Those that a driver published: not those that were decoded from packets here, whose layout and origin of times are ours.
+    pub(crate) fn published(world: &'w World) -> impl Iterator<Item = Self> {
+        Self::all(world).filter(|clouds| clouds.evidence.packets.is_none())
+    }
+
     /// The planar laser scans of a world.
     pub(crate) fn lasers(world: &'w World) -> impl Iterator<Item = Self> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {
@@ -142,7 +147,8 @@ impl<'w> Clouds<'w> {
         let words = self.topic.words();
         let has_word = words.iter().any(|word| LIDARS.contains(&word.as_str()));
         let has_colour = ["rgb", "rgba"].iter().any(|name| self.datatype(name).is_some());
-        let is_lidar = self.laser.is_some() || self.driver.is_some() || has_field || has_word;
+        let is_lidar =
+            self.laser.is_some() || self.evidence.packets.is_some() || self.driver.is_some() || has_field || has_word;
         is_lidar && !is_registered && !has_colour && !radar::is_of_a_radar(self.topic)
     }
 

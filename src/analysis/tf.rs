@@ -37,6 +37,8 @@ const SENSOR_TYPES: &[&str] = &[
     "Range",
     "DisparityImage",
     "VelodyneScan",
+    "PandarScan",
+    "NebulaPackets",
     "RadarScan",
     "CustomMsg",
     // Foxglove's.

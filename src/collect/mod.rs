@@ -116,7 +116,13 @@ fn decides_the_tree(channel: &Channel) -> bool {
 fn is_matched(channel: &Channel) -> bool {
     matches!(
         last_segment(&channel.message_type),
-        "PointCloud2" | "CustomMsg" | "LaserScan" | "MultiEchoLaserScan"
+        "PointCloud2"
+            | "CustomMsg"
+            | "LaserScan"
+            | "MultiEchoLaserScan"
+            | "VelodyneScan"
+            | "PandarScan"
+            | "NebulaPackets"
     )
 }
 
@@ -372,6 +378,18 @@ impl Collector {
             let message = format!("{count} of {of} messages on `{}` do not decode: {error}", topic.name);
             let place = Place::message(id, first.on(&topic.name));
             source.problem(ReadStatus::Partial, place, message);
+        }
+        let refused = self
+            .topics
+            .iter()
+            .filter_map(|topic| Some((&topic.name, topic.contents.refused_packets()?)));
+        for (topic, packets) in refused.take(MAX_PROBLEMS) {
+            let Some((first, reason)) = &packets.first else {
+                continue;
+            };
+            let (count, of) = (packets.refused, packets.looked_at);
+            let message = format!("{count} of {of} packets on `{topic}` are not decoded: {reason}");
+            source.problem(ReadStatus::Partial, Place::message(id, first.on(topic)), message);
         }
         for (number, other, is_read) in &self.mixed {
             let Some(topic) = self.topics.get(*number) else {

@@ -51,6 +51,11 @@ fn any(_: &World, _: &TopicEvidence, _: &CloudEvidence) -> bool {
     true
 }
 
+/// Whether a driver published the times of the points: those of packets are in the unit and the field of the decoder.
+fn published_times(world: &World, topic: &TopicEvidence, clouds: &CloudEvidence) -> bool {
+    clouds.packets.is_none() && timed(world, topic, clouds)
+}
+
 fn timed(_: &World, _: &TopicEvidence, clouds: &CloudEvidence) -> bool {
     let mut times = clouds.samples.iter().filter_map(|sample| sample.times.as_ref());
     times.any(|times| times.distinct > 2)
@@ -262,7 +267,7 @@ pub(super) static FAULTS: &[Fault] = &[
     ),
     cloud!(
         "cloud-times-missing",
-        timed,
+        published_times,
         untimed,
         "The points of a cloud have no times.",
         ["missing"],
@@ -272,7 +277,7 @@ pub(super) static FAULTS: &[Fault] = &[
     ),
     cloud!(
         "cloud-times-constant",
-        timed,
+        published_times,
         |topic| retimed(topic, |_, times| times.range[0], |_, _, _| 0.0),
         "All points of a cloud have one time.",
         ["constant"],
@@ -282,7 +287,7 @@ pub(super) static FAULTS: &[Fault] = &[
     ),
     cloud!(
         "cloud-times-unit",
-        timed,
+        published_times,
         |topic| {
             retimed(
                 topic,

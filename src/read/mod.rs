@@ -15,6 +15,7 @@ pub mod feather;
 pub mod input;
 pub mod launch;
 pub mod messages;
+pub mod packets;
 mod recordings;
 mod syntax;
 pub mod text;

@@ -133,11 +133,24 @@ pub struct PointTimes {
 /// Different times are counted up to this number.
 pub const MAX_DISTINCT: u32 = 64;
 
+/// A lidar, as its packets identify it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PacketSensor {
+    /// `Velodyne`.
+    pub maker: String,
+    /// `VLP-16`.
+    pub model: String,
+}
+
 /// The clouds of one topic.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CloudEvidence {
     /// Messages.
     pub count: u64,
+    /// The lidar, if the messages are its packets: these clouds were decoded here and not published by a driver, so that layout, types of
+    /// numbers and origin of the times are not those of a publisher.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub packets: Option<PacketSensor>,
     /// The first different layouts.
     pub layouts: Vec<CloudLayout>,
     /// Messages of others.

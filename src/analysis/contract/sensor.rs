@@ -28,7 +28,9 @@ impl<'w> SensorSeen<'w> {
         images.dedup_by_key(|(size, _)| *size);
         let clouds = content.clouds.as_ref();
         let samples = clouds.into_iter().flat_map(|clouds| &clouds.samples);
-        let layouts = clouds.into_iter().flat_map(|clouds| &clouds.layouts);
+        // The layout of a decoded cloud is not the recording's.
+        let published = clouds.into_iter().filter(|clouds| clouds.packets.is_none());
+        let layouts = published.flat_map(|clouds| &clouds.layouts);
         let most = |(most, at): (u32, &'w MessageRef), (count, other): (u32, &'w MessageRef)| {
             if count > most { (count, other) } else { (most, at) }
         };

@@ -96,8 +96,11 @@ pub(crate) fn edges(world: &World, from: &FrameId, to: &FrameId) -> Vec<Edge> {
         .collect()
 }
 
-/// The lidar of these clouds in the tables: by the words of topic and frame, else by the fields of its points.
+/// The lidar of these clouds in the tables: by its packets, by the words of topic and frame, else by the fields of its points.
 pub(crate) fn lidar(world: &World, clouds: &Clouds) -> Option<Arc<Lidar>> {
+    if let Some(sensor) = &clouds.evidence.packets {
+        return world.tables.lidar(&[sensor.maker.to_lowercase()]);
+    }
     let mut words = clouds.topic.words();
     words.extend(clouds.frame().map(|frame| frame.tokens()).unwrap_or_default());
     let by_layout = || {

@@ -2,9 +2,14 @@
 
 mod sampling;
 
+use std::cell::OnceCell;
+
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
+use crate::read::messages::packets::RawScan;
 use crate::source::MessageRef;
-use crate::world::cloud::{CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PointField, PointTimes};
+use crate::world::cloud::{
+    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PacketSensor, PointField, PointTimes,
+};
 
 use super::super::CloudOptions;
 use super::super::point::{Point, PointOwner};
@@ -30,11 +35,23 @@ struct CloudContent {
     farthest: f64,
 }
 
+/// The packets of a lidar that were to be decoded.
+#[derive(Default)]
+pub(in crate::collect) struct PacketCounts {
+    pub(in crate::collect) looked_at: u64,
+    /// How many of them were not decoded.
+    pub(in crate::collect) refused: u64,
+    /// The first message with one, and why.
+    pub(in crate::collect) first: Option<(Point, String)>,
+}
+
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
     share: SampleBudget,
     options: CloudOptions,
     count: u64,
+    sensor: Option<PacketSensor>,
+    pub(super) packets: PacketCounts,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
     cut: u64,
@@ -51,6 +68,8 @@ impl Clouds {
         Self {
             share,
             count: 0,
+            sensor: None,
+            packets: PacketCounts::default(),
             layouts: Vec::new(),
             others: 0,
             cut: 0,
@@ -69,14 +88,43 @@ impl Clouds {
     }
 
     pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
-        let index = self.count;
-        self.count += 1;
         self.layout(point, cloud);
         if is_cut(cloud) {
             self.cut += 1;
             self.first_cut.get_or_insert(point);
         }
-        self.slices.push(point, cloud, &self.options.time_fields);
+        self.sample(point, || Some(cloud));
+    }
+
+    /// Takes in packets, which are decoded only where points of the cloud are kept.
+    pub(super) fn push_packets(&mut self, point: Point, scan: &RawScan<'_>) {
+        let decoded = OnceCell::new();
+        let cloud = || decoded.get_or_init(|| scan.decode(point.stamp_ns.unwrap_or(0)));
+        self.sample(point, || cloud().as_ref().ok().map(|decoded| &decoded.cloud));
+        let Some(decoded) = decoded.get() else { return };
+        let (refused, reason) = match decoded {
+            Ok(decoded) => {
+                self.layout(point, &decoded.cloud);
+                self.sensor.get_or_insert_with(|| PacketSensor {
+                    maker: decoded.maker.to_owned(),
+                    model: decoded.model.to_owned(),
+                });
+                (decoded.refused, decoded.reason.clone())
+            }
+            Err(error) => (scan.packets(), Some(error.0.clone())),
+        };
+        self.packets.looked_at += scan.packets() as u64;
+        self.packets.refused += refused as u64;
+        if let Some(reason) = reason.filter(|_| refused > 0) {
+            self.packets.first.get_or_insert((point, reason));
+        }
+    }
+
+    /// Keeps points of the cloud, where its turn has come.
+    fn sample<'c>(&mut self, point: Point, cloud: impl Fn() -> Option<&'c Cloud<'c>>) {
+        let index = self.count;
+        self.count += 1;
+        self.slices.push(point, &cloud, &self.options.time_fields);
         let [most, points] = self.share.clouds;
         if !index.is_multiple_of(self.stride) {
             return;
@@ -92,7 +140,8 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud, points, &self.options.time_fields) else {
+        let sample = cloud().and_then(|cloud| sampled(cloud, points, &self.options.time_fields));
+        let Some(sample) = sample else {
             return;
         };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
@@ -155,6 +204,7 @@ impl Clouds {
         };
         CloudEvidence {
             count: self.count,
+            packets: self.sensor,
             layouts: self.layouts.into_iter().map(layout).collect(),
             others: self.others,
             cut: self.cut,
@@ -254,7 +304,7 @@ mod tests {
             is_bigendian: false,
             point_step: 16,
             row_step: size[1].saturating_mul(16),
-            data,
+            data: data.into(),
             timebase_ns: None,
         }
     }
@@ -407,7 +457,7 @@ mod tests {
             is_bigendian: false,
             point_step: 20,
             row_step: 20,
-            data: &data,
+            data: data.as_slice().into(),
             timebase_ns: None,
         };
         let times = |own: &[String]| {

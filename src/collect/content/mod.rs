@@ -1,7 +1,7 @@
 //! The content of the messages of one topic beyond their header, while it is being collected.
 
 mod camera;
-mod cloud;
+pub(super) mod cloud;
 mod covariance;
 mod fixes;
 mod grid;
@@ -28,7 +28,7 @@ use super::point::{Point, PointOwner};
 use super::series::RowBudget;
 use super::thin::SampleBudget;
 use camera::{Calibrations, Images};
-use cloud::Clouds;
+use cloud::{Clouds, PacketCounts};
 use covariance::Covariances;
 use fixes::Fixes;
 use grid::Grids;
@@ -129,6 +129,13 @@ impl Contents {
                     self.radar(point).cloud(point, cloud, &columns);
                 }
             }
+            Body::Packets(scan) if scan.packets() == 0 => {}
+            Body::Packets(scan) => {
+                let share = self.share;
+                self.clouds
+                    .get_or_insert_with(|| Box::new(Clouds::new(share, self.of_clouds.clone())))
+                    .push_packets(point, scan);
+            }
             Body::Grid(grid) => self
                 .grids
                 .get_or_insert_with(|| Box::new(Grids::new()))
@@ -148,6 +155,12 @@ impl Contents {
             | Body::Frames(_)
             | Body::Clock(_) => {}
         }
+    }
+
+    /// The packets that were to be decoded, if some of them were not.
+    pub(super) fn refused_packets(&self) -> Option<&PacketCounts> {
+        let packets = &self.clouds.as_ref()?.packets;
+        (packets.refused > 0).then_some(packets)
     }
 
     fn radar(&mut self, point: Point) -> &mut Radars {

@@ -28,16 +28,28 @@ impl Slices {
         self.runs.seam();
     }
 
-    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>, time_fields: &[String]) {
+    /// Takes in a cloud, which is made only where it is kept.
+    pub(super) fn push<'c>(
+        &mut self,
+        point: Point,
+        cloud: impl FnOnce() -> Option<&'c Cloud<'c>>,
+        time_fields: &[String],
+    ) {
         let has_optical = self.has_optical;
         self.runs.push(|| {
-            let (points, after) = slice(cloud, time_fields, |point| point).unwrap_or_default();
+            let cloud = cloud();
+            let cut = |expressed| {
+                cloud
+                    .and_then(|cloud| slice(cloud, time_fields, expressed))
+                    .unwrap_or_default()
+            };
+            let (points, after) = cut(|point| point);
             CloudSlice {
                 stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
                 log_ns: point.log_ns,
                 points,
                 after,
-                optical: has_optical.then(|| Arc::new(slice(cloud, time_fields, optical).unwrap_or_default())),
+                optical: has_optical.then(|| Arc::new(cut(optical))),
             }
         });
     }
@@ -86,7 +98,7 @@ mod tests {
             is_bigendian: false,
             point_step: 12,
             row_step: 12 * count,
-            data,
+            data: data.into(),
             timebase_ns: None,
         }
     }
@@ -133,7 +145,7 @@ mod tests {
         let cloud = cloud(&data, 1);
         let mut slices = Slices::new(4, false);
         for index in 0..100 {
-            slices.push(at(index), &cloud, &[]);
+            slices.push(at(index), || Some(&cloud), &[]);
         }
         let runs = slices.finish();
         assert!((2..=4).contains(&runs.len()), "{}", runs.len());
@@ -152,7 +164,7 @@ mod tests {
             if index == 50 {
                 slices.seam();
             }
-            slices.push(at(index), &cloud, &[]);
+            slices.push(at(index), || Some(&cloud), &[]);
         }
         let lengths: Vec<usize> = slices.finish().iter().map(Vec::len).collect();
         assert_eq!(lengths, [3, 3]);

@@ -26,7 +26,7 @@ pub struct Cloud<'m> {
     /// From one row to the next, bytes.
     pub row_step: u32,
     /// The points.
-    pub data: &'m [u8],
+    pub data: Cow<'m, [u8]>,
     /// The time from which the points' own times count, nanoseconds, if the message has one besides its header's.
     pub timebase_ns: Option<u64>,
 }
@@ -201,7 +201,7 @@ pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, Deco
         is_bigendian: cursor.i8()? != 0,
         point_step: cursor.u32()?,
         row_step: cursor.u32()?,
-        data: cursor.bytes()?,
+        data: Cow::Borrowed(cursor.bytes()?),
         timebase_ns: None,
     })
 }
@@ -241,7 +241,7 @@ pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, DecodeErro
         is_bigendian: !cursor.is_little(),
         point_step,
         row_step: count.saturating_mul(point_step),
-        data: cursor.rest(4),
+        data: Cow::Borrowed(cursor.rest(4)),
         timebase_ns: Some(timebase_ns),
     })
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cloud::Cloud;
 use super::header::Header;
+use super::packets::RawScan;
 use super::radar::Radar;
 use super::tf::Transform;
 
@@ -80,6 +81,8 @@ pub enum Body<'m> {
     CameraInfo(Box<CameraInfo<'m>>),
     /// A cloud of points.
     Cloud(Box<Cloud<'m>>),
+    /// The packets of a lidar.
+    Packets(Box<RawScan<'m>>),
     /// An image, without its bytes.
     Image(Image<'m>),
     /// A grid, without its cells.

@@ -265,6 +265,11 @@ impl<'a> Cursor<'a> {
     /// A sequence of bytes: its length, then the bytes.
     pub fn bytes(&mut self) -> Result<&'a [u8], DecodeError> {
         let len = usize::try_from(self.u32()?).unwrap_or(usize::MAX);
+        self.take(len)
+    }
+
+    /// So many bytes: an array of bytes has no length before it.
+    pub fn take(&mut self, len: usize) -> Result<&'a [u8], DecodeError> {
         match self.message.get(self.at..).and_then(|rest| rest.get(..len)) {
             Some(bytes) => {
                 self.at += len;

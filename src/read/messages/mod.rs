@@ -14,6 +14,7 @@ pub mod foxglove;
 mod guess;
 pub mod header;
 mod nmea;
+pub mod packets;
 pub mod radar;
 mod route;
 mod sensing;

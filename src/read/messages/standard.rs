@@ -6,6 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Member};
 use super::header::Header;
+use super::packets::{self, Carrier};
 use super::{Cursor, DecodeError, bodies, cloud, nmea, radar, sensing, tf};
 
 /// A standard type.
@@ -36,6 +37,8 @@ pub(super) enum Standard {
     Image,
     Cloud,
     LivoxCloud,
+    /// Packets of a lidar.
+    Packets(Carrier),
     LaserScan,
     MultiEchoLaserScan,
     RadarScan,
@@ -86,6 +89,9 @@ impl Standard {
             "geographic_msgs/GeoPointStamped" => Self::GeoPoint,
             "geographic_msgs/GeoPoseStamped" => Self::GeoPose,
             "livox_ros_driver2/CustomMsg" | "livox_ros_driver/CustomMsg" => Self::LivoxCloud,
+            "velodyne_msgs/VelodyneScan" => Self::Packets(Carrier::Velodyne),
+            "pandar_msgs/PandarScan" => Self::Packets(Carrier::Pandar),
+            "nebula_msgs/NebulaPackets" => Self::Packets(Carrier::Nebula),
             "nav_msgs/OccupancyGrid" => Self::OccupancyGrid,
             "grid_map_msgs/GridMap" => Self::GridMap,
             "nav_msgs/Path" => Self::Path,
@@ -177,6 +183,7 @@ impl Standard {
             Self::GridMap => sensing::grid_map(cursor),
             Self::Cloud => cloud::point_cloud(cursor).map(Box::new).map(Body::Cloud),
             Self::LivoxCloud => cloud::livox(cursor).map(Box::new).map(Body::Cloud),
+            Self::Packets(carrier) => packets::scan(carrier, cursor).map(Box::new).map(Body::Packets),
             Self::LaserScan => sensing::laser_scan(cursor),
             Self::MultiEchoLaserScan => sensing::multi_echo_scan(cursor),
             Self::RadarScan => radar::scan(cursor).map(Box::new).map(Body::Radar),

@@ -115,5 +115,5 @@ fn judge_clouds(
     } else {
         finding
     };
-    out.fail(finding.measured(measured));
+    out.fail(clouds.once_per_lidar(world, finding.measured(measured)));
 }

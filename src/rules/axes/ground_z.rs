@@ -161,7 +161,7 @@ fn judge_over(
         Ok(side) => side,
         Err(why) => {
             if let Some(finding) = applied_already(world, clouds, over, &subject, (limits, up)) {
-                return out.fail(finding);
+                return out.fail(clouds.once_per_lidar(world, finding));
             }
             return out.too_little(subject, why);
         }
@@ -180,11 +180,17 @@ fn judge_over(
     let grounds: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
     out.plot(&subject, || over.plot(clouds, &by_cloud, side, limits));
     let Some(height) = over.height(&grounds) else { return };
-    judge_height(clouds, over, &height, limits, out);
+    judge_height(world, clouds, (over, &height), limits, out);
     judge_tilt(world, clouds, (over, &grounds), limits, out);
 }
 
-fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Limits, out: &mut Judge) {
+fn judge_height(
+    world: &World,
+    clouds: &Clouds,
+    (over, height): (&LidarMount, &Height),
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let subject = clouds.subject("ground");
     let tolerance_m = limits.max_off_m.max(limits.sigmas * height.sigma_m);
     let measured = |off_m: f64| {
@@ -204,7 +210,7 @@ fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Li
         // The height of a base above the ground is unknown, but it is not below the ground.
         if height.ground_m > limits.likely_off_m + limits.sigmas * height.sigma_m {
             let finding = off(clouds, over, height, 0.0, limits);
-            return out.fail(finding.measured(measured(height.ground_m)));
+            return out.fail(clouds.once_per_lidar(world, finding.measured(measured(height.ground_m))));
         }
         let why = format!(
             "the ground is at z = {:.2} m in `{}`, and no `base_footprint` states the height of that frame above the ground",
@@ -217,7 +223,7 @@ fn judge_height(clouds: &Clouds, over: &LidarMount, height: &Height, limits: &Li
         return out.pass(subject, measured(off_m));
     }
     let finding = off(clouds, over, height, expected_m, limits);
-    out.fail(finding.measured(measured(off_m)));
+    out.fail(clouds.once_per_lidar(world, finding.measured(measured(off_m))));
 }
 
 /// A ground at the wrong height.
@@ -425,6 +431,7 @@ fn judge_tilt(
              about the axes of `{0}`, and keep the translation; if not, calibrate the mounting",
             over.base
         ));
+    let finding = clouds.once_per_lidar(world, finding);
     out.fail(with_mounting(world, [&over.base, &lidar], finding));
 }
 

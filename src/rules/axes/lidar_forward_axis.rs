@@ -110,5 +110,6 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         None => finding,
     };
     let mounting = [&known.body, &known.lidar];
-    out.fail(with_mounting(world, mounting, finding.measured(measured)));
+    let finding = clouds.once_per_lidar(world, finding.measured(measured));
+    out.fail(with_mounting(world, mounting, finding));
 }

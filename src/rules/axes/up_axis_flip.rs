@@ -155,7 +155,7 @@ fn judge_side(
         finding.likely()
     };
     let finding = finding.relation(relation).detail(detail).help(help);
-    out.fail(finding.measured(measured));
+    out.fail(clouds.once_per_lidar(world, finding.measured(measured)));
 }
 
 /// Share of the directions in which the highest beams hit nothing while others do; median over the clouds. `None` if no beam points

@@ -57,7 +57,7 @@ fn judge_seen(world: &World, clouds: &Clouds, seen: &DirectionFit, limits: &Limi
             out.fail(with_mounting(
                 world,
                 mounting,
-                finding.measured([by_published, by_inverse]),
+                clouds.once_per_lidar(world, finding.measured([by_published, by_inverse])),
             ));
         }
         Some(_) => {

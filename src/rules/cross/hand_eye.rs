@@ -229,7 +229,7 @@ fn judge_mounted(
     out.fail(with_mounting(
         world,
         [&known.body, &known.lidar],
-        finding.measured(measured),
+        clouds.once_per_lidar(world, finding.measured(measured)),
     ));
 }
 

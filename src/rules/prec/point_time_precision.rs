@@ -16,7 +16,7 @@ impl Rule for PointTimePrecision {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::published(world) {
             judge_clouds(&clouds, limits, out);
         }
     }

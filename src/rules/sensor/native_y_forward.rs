@@ -73,7 +73,8 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         .detail(format!("{detail} Compared with {}.", known.poses.0))
         .help(help);
     let mounting = [&known.body, &known.lidar];
-    out.fail(with_mounting(world, mounting, finding.measured(measured)));
+    let finding = clouds.once_per_lidar(world, finding.measured(measured));
+    out.fail(with_mounting(world, mounting, finding));
 }
 
 /// What a quarter turn means for this lidar, and what to do. Where a mounting lacks -90 deg, y of the cloud is forward.

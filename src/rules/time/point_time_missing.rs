@@ -24,7 +24,7 @@ impl Rule for PointTimeMissing {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "times of the points", out);
         let motion = Motion::of(world);
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::published(world) {
             if let Some(motion) = motion.bags.get(clouds.index) {
                 judge_clouds(&clouds, motion, limits, out);
             }

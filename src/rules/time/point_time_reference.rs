@@ -43,7 +43,7 @@ impl Rule for PointTimeReference {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "times of the points", out);
-        for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
+        for clouds in Clouds::published(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
     }

@@ -114,5 +114,6 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         .detail(doubt)
         .unless_relation(codes::AXES11)
         .unless_relation(codes::AXES10);
-    out.fail(cause::explained(world, clouds, finding).measured(measured));
+    let finding = cause::explained(world, clouds, finding).measured(measured);
+    out.fail(clouds.once_per_lidar(world, finding));
 }

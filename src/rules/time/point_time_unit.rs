@@ -24,7 +24,7 @@ impl Rule for PointTimeUnit {
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "unit of the times of the points", out);
-        for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
+        for clouds in Clouds::published(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {

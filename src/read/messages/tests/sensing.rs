@@ -1,5 +1,7 @@
 //! What sensors see: calibrations, images and clouds, whole, cut and made up.
 
+use std::borrow::Cow;
+
 use super::{FORMS, KnownMessage, Piece, RULE, decoder, floats, header, row, schema, with};
 use crate::read::messages::cloud::{Cloud, Datatype, Field};
 use crate::read::messages::content::{Body, CameraInfo, Image, Roi};
@@ -102,7 +104,7 @@ pub(super) fn all() -> Vec<KnownMessage> {
                 is_bigendian: false,
                 point_step: 6,
                 row_step: 12,
-                data: &TWO,
+                data: Cow::Borrowed(&TWO),
                 timebase_ns: None,
             })),
         ),
@@ -178,7 +180,7 @@ fn cloud(size: [u32; 2], steps: [u32; 2], data: &[u8]) -> Cloud<'_> {
         is_bigendian: false,
         point_step: steps[0],
         row_step: steps[1],
-        data,
+        data: Cow::Borrowed(data),
         timebase_ns: None,
     }
 }
