@@ -32,6 +32,7 @@ use crate::page::Page;
 use crate::report::{ReportError, Style, explain, rules_table, terminal};
 use crate::rules::RULES;
 use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, Run};
+use crate::visible::clean;
 
 use args::{Cli, Collect, RulesFormat, Verb};
 
@@ -244,14 +245,25 @@ fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
 
 fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let paths = paths(collect.input.paths, stdin)?;
-    let run = engine::collect(&engine::Options {
+    let options = engine::Options {
         outputs: Outputs {
-            files: collect.output.iter().cloned().collect(),
+            files: collect.output.iter().chain(&collect.clouds).cloned().collect(),
             force: collect.force,
             ..Outputs::default()
         },
         ..collect.input.reading.options(paths, surroundings)
-    })?;
+    };
+    if let Some(file) = &collect.clouds {
+        let (bytes, topic, count) = engine::cloud(&options, collect.topic.as_deref())?;
+        save(file, bytes)?;
+        if collect.output.is_none() {
+            return Ok(Answer {
+                err: clean(&format!("`{}`: {count} points of `{topic}`\n", file.display())).into_owned(),
+                ..Answer::default()
+            });
+        }
+    }
+    let run = engine::collect(&options)?;
     let mut out = evidence::write(&run)?;
     if let Some(file) = collect.output {
         save(&file, std::mem::take(&mut out))?;

@@ -404,6 +404,14 @@ pub(super) struct Collect {
     /// Write the evidence to a file instead of standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
+    /// Write the first cloud of a recording to a PCD file, decoded from packets if the recording has these
+    ///
+    /// Fields: x, y, z, intensity, ring, time. Evidence is written only with --output.
+    #[arg(long, value_name = "FILE.pcd", value_hint = ValueHint::FilePath)]
+    pub(super) clouds: Option<PathBuf>,
+    /// Topic of that cloud (default: the only one with clouds)
+    #[arg(long, requires = "clouds")]
+    pub(super) topic: Option<String>,
     /// Overwrite an existing file that is neither a report nor evidence
     #[arg(long)]
     pub(super) force: bool,

@@ -9,6 +9,7 @@ mod edge;
 mod members;
 mod names;
 mod parts;
+pub mod pcd;
 mod point;
 mod series;
 mod stamps;

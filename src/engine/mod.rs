@@ -1,6 +1,7 @@
 //! The engine: plan, read, judge. Connects the other modules; knows no format and no rule by name.
 
 mod assured;
+mod cloud;
 mod contract;
 mod enabled;
 pub mod evidence;
@@ -51,6 +52,7 @@ use timings::Phase;
 pub use crate::read::discover::FileSelection;
 pub use crate::read::xacro::own::expand as expand_xacro;
 pub use crate::read::xacro::{ExpandOptions as XacroOptions, VERB as EXPAND_XACRO};
+pub use cloud::cloud;
 pub use contract::contract;
 pub use governed::settings_of;
 pub use hash::hash;
@@ -122,7 +124,7 @@ impl<'o> Setup<'o> {
         let configure = || Configurations::new(options, inputs);
         Ok(Self {
             options,
-            definitions: definitions(options)?,
+            definitions: options.definitions()?,
             governed: options.timings.of(Phase::Configure, "", configure)?,
         })
     }
@@ -359,16 +361,6 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     // Reports of an earlier run are not inputs.
     inputs.files.retain(|input| !options.outputs.contain(&input.path));
     Ok(inputs)
-}
-
-fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
-    let mut definitions = Definitions::builtin();
-    for folder in &options.msg_paths {
-        definitions
-            .add_folder(folder)
-            .map_err(|what| UsageError(format!("--msg-path: {what}")))?;
-    }
-    Ok(Arc::new(definitions))
 }
 
 /// Gives worlds the declarations of the configurations, and adds these to their sources: after all others, whose ids then do not depend

@@ -2,12 +2,14 @@
 
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::config::ConfigError;
 use crate::faults::Selection;
 use crate::files::Outputs;
 use crate::fitness::Calibration;
 use crate::read::discover::FileSelection;
+use crate::read::messages::definition::Definitions;
 use crate::read::xacro::ExpandOptions;
 use crate::run::FailOn;
 use crate::verdict::KeptOutcomes;
@@ -65,6 +67,19 @@ pub struct Options {
     pub progress: bool,
     /// Time spent, if wanted.
     pub timings: Timings,
+}
+
+impl Options {
+    /// The definitions of messages: the built-in ones, and those of the folders that the user named.
+    pub(super) fn definitions(&self) -> Result<Arc<Definitions>, UsageError> {
+        let mut definitions = Definitions::builtin();
+        for folder in &self.msg_paths {
+            definitions
+                .add_folder(folder)
+                .map_err(|what| UsageError(format!("--msg-path: {what}")))?;
+        }
+        Ok(Arc::new(definitions))
+    }
 }
 
 /// What has a verdict of its own in a run.

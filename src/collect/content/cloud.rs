@@ -16,7 +16,8 @@ use super::super::point::{Point, PointOwner};
 use super::super::thin::SampleBudget;
 use super::slices::Slices;
 use super::times::time_of;
-use sampling::{MAX_RINGS, is_return, rings, strides};
+pub(in crate::collect) use sampling::is_return;
+use sampling::{MAX_RINGS, rings, strides};
 
 /// A cloud that is kept.
 struct KeptCloud {

@@ -15,7 +15,7 @@ mod radar;
 mod runs;
 mod slices;
 pub(super) mod steps;
-mod times;
+pub(super) mod times;
 
 use std::collections::BTreeMap;
 

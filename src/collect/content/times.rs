@@ -17,7 +17,7 @@ const TIMES: &[&str] = &[
 ];
 
 /// The field that holds the times of the points.
-pub(super) fn time_of<'f>(cloud: &Cloud<'_>, time_fields: &'f [String]) -> Option<(&'f str, Column)> {
+pub(in crate::collect) fn time_of<'f>(cloud: &Cloud<'_>, time_fields: &'f [String]) -> Option<(&'f str, Column)> {
     let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
     names.find_map(|name| Some((name, cloud.column(name)?)))
 }

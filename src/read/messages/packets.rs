@@ -108,9 +108,9 @@ impl RawScan<'_> {
             let is_velodyne = first.len() == VELODYNE;
             return Ok(if is_velodyne { Maker::Velodyne } else { Maker::Hesai });
         }
-        let start: String = first.iter().take(4).map(|byte| format!(" {byte:02x}")).collect();
+        let start = first.first_chunk().map_or(0, |start| u16::from_be_bytes(*start));
         Err(DecodeError(format!(
-            "a packet of {} bytes that begins with{start} is neither of Velodyne nor of Hesai",
+            "a packet of {} bytes that begins with {start:#06x} is neither of Velodyne nor of Hesai",
             first.len()
         )))
     }

@@ -34,7 +34,7 @@ fn prime(from: u32) -> u32 {
 }
 
 /// Whether a point is one: rays without a return are NaN or zero.
-pub(super) fn is_return(xyz: [f64; 3]) -> bool {
+pub(in crate::collect) fn is_return(xyz: [f64; 3]) -> bool {
     xyz.iter().all(|value| value.is_finite()) && xyz.iter().any(|value| *value != 0.0)
 }
 
