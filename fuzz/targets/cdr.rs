@@ -7,7 +7,7 @@ use frames_lint::read::messages::header::Header;
 use frames_lint::read::messages::radar::{Columns, MAX_ECHOES};
 use frames_lint::read::messages::{MAX_NAME, Wire, tf};
 
-const TYPES: [(&str, &str); 25] = [
+const TYPES: [(&str, &str); 28] = [
     ("/tf", "tf2_msgs/msg/TFMessage"),
     ("/pose/tf", "geometry_msgs/msg/TransformStamped"),
     ("/odom", "nav_msgs/msg/Odometry"),
@@ -28,6 +28,9 @@ const TYPES: [(&str, &str); 25] = [
     ("/plan", "nav_msgs/msg/Path"),
     ("/points", "sensor_msgs/msg/PointCloud2"),
     ("/livox", "livox_ros_driver2/msg/CustomMsg"),
+    ("/velodyne_packets", "velodyne_msgs/msg/VelodyneScan"),
+    ("/pandar_packets", "pandar_msgs/msg/PandarScan"),
+    ("/packets", "nebula_msgs/msg/NebulaPackets"),
     ("/camera_info", "sensor_msgs/msg/CameraInfo"),
     ("/image", "sensor_msgs/msg/Image"),
     ("/scan", "sensor_msgs/msg/LaserScan"),
@@ -69,6 +72,11 @@ pub fn run(bytes: &[u8]) {
                     if let Some(columns) = Columns::of(&cloud) {
                         let _ = last.map(|point| columns.echo(point));
                     }
+                }
+                // A packet has a stamp of eight bytes and a length, or more.
+                Body::Packets(scan) => {
+                    assert!(scan.packets() <= bytes.len() / 12);
+                    let _ = scan.decode(0);
                 }
                 Body::Fix(fix) => assert!(
                     fix.velocity

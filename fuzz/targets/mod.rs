@@ -18,6 +18,7 @@ mod made_calibration;
 mod made_urdf;
 mod mcap;
 mod metadata;
+mod packets;
 mod plain;
 mod rosbag1;
 mod urdf;
@@ -73,6 +74,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("made_urdf", made_urdf::run),
     ("mcap", mcap::run),
     ("metadata", metadata::run),
+    ("packets", packets::run),
     ("plain", plain::run),
     ("rosbag1", rosbag1::run),
     ("urdf", urdf::run),

@@ -51,6 +51,16 @@ pub fn corpus() -> Option<PathBuf> {
     )
 }
 
+/// The folder of recorded packets of lidars: `FRAMES_LINT_PACKETS`, or `../shared/raw/nebula` beside the repository.
+#[track_caller]
+pub fn lidar_packets() -> Option<PathBuf> {
+    folder(
+        "FRAMES_LINT_PACKETS",
+        "../shared/raw/nebula",
+        "recorded packets of lidars",
+    )
+}
+
 #[track_caller]
 fn folder(variable: &str, beside: &str, what: &str) -> Option<PathBuf> {
     let beside_us = || Path::new(env!("CARGO_MANIFEST_DIR")).join(beside);

@@ -11,6 +11,7 @@ use serde::Deserialize;
 use super::drive::lidar::{Beams, Ray, Scanner};
 use super::drive::scene::Surroundings;
 use super::encode::Field;
+use super::packets::{SEQUENCE_NS, SEQUENCES, Scan, Shot};
 
 /// A lidar of a recipe's drive.
 #[derive(Clone, Debug, Deserialize)]
@@ -91,6 +92,8 @@ pub enum Driver {
     Plain,
     Ouster,
     Velodyne,
+    /// `velodyne_msgs/msg/VelodyneScan`: the packets of a VLP-16, of as many firing sequences as its sixteen beams have columns, or a multiple.
+    VelodynePackets,
     Hesai,
     Robosense,
     /// `livox_ros_driver2/msg/CustomMsg`.
@@ -213,7 +216,7 @@ impl Lidar {
     /// By how much a scan begins before the stamp of its message, seconds.
     pub fn before_stamp_s(&self) -> f64 {
         match self.driver {
-            Driver::Velodyne => PERIOD_S,
+            Driver::Velodyne | Driver::VelodynePackets => PERIOD_S,
             _ => 0.0,
         }
     }
@@ -222,6 +225,7 @@ impl Lidar {
     pub fn message_type(&self) -> &'static str {
         match self.driver {
             Driver::Livox => "livox_ros_driver2/msg/CustomMsg",
+            Driver::VelodynePackets => "velodyne_msgs/msg/VelodyneScan",
             _ => "sensor_msgs/msg/PointCloud2",
         }
     }
@@ -235,6 +239,9 @@ impl Lidar {
             .collect();
         if self.driver == Driver::Livox {
             return self.custom(&returns, stamp_ns);
+        }
+        if self.driver == Driver::VelodynePackets {
+            return self.packets(&returns, stamp_ns);
         }
         let is_organised =
             matches!(self.driver, Driver::Ouster | Driver::Robosense) && !self.solid_state && !self.filtered;
@@ -360,7 +367,7 @@ impl Lidar {
         points.put("z", z);
         points.put("intensity", Number::F32(10.0));
         let time = match self.driver {
-            Driver::Plain | Driver::Livox => return,
+            Driver::Plain | Driver::Livox | Driver::VelodynePackets => return,
             Driver::Ouster => ("t", nanoseconds),
             Driver::Velodyne if self.epoch_single => ("time", Number::F32(absolute_s as f32)),
             Driver::Velodyne => ("time", Number::F32((scaled_s - PERIOD_S * self.time_scale) as f32)),
@@ -405,6 +412,36 @@ impl Lidar {
                 put_time(points);
             }
         }
+    }
+
+    /// The packets of a scan that ends at the stamp. What is turned over about x or mirrored sweeps the other way: columns are then counted from the
+    /// last one, as a sensor only turns clockwise.
+    fn packets<'a>(&self, told: &[CloudRay], stamp_ns: i64) -> Vec<Field<'a>> {
+        let columns = self.columns as usize;
+        let each = (75 * SEQUENCES) / columns;
+        let scan = Scan {
+            sequences: each * columns / SEQUENCES * SEQUENCES,
+            start_ns: stamp_ns - 75 * SEQUENCES as i64 * SEQUENCE_NS,
+            backwards: self.times == Times::Reversed,
+        };
+        let sequence = |column: u32| match self.mirrored != self.swapped {
+            true => columns - 1 - column as usize,
+            false => column as usize,
+        };
+        let shots = told.iter().filter_map(|(_, column, _, place)| {
+            Some(Shot {
+                sequence: each * sequence(*column),
+                place: (*place)?,
+            })
+        });
+        let packets = scan.packets(&shots.collect::<Vec<_>>());
+        let mut fields = vec![Field::Count(packets.len())];
+        for (received_ns, bytes) in packets {
+            fields.push(Field::U32(u32::try_from(received_ns / 1_000_000_000).unwrap()));
+            fields.push(Field::U32(u32::try_from(received_ns % 1_000_000_000).unwrap()));
+            fields.push(Field::Array(bytes));
+        }
+        fields
     }
 
     /// A `CustomMsg`.

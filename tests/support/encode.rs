@@ -70,6 +70,8 @@ pub enum Field<'a> {
     Count(usize),
     /// A sequence of bytes.
     Bytes(Vec<u8>),
+    /// Bytes without a length before them.
+    Array(Vec<u8>),
     /// A text of its own.
     Owned(String),
     /// A small number.
@@ -159,6 +161,7 @@ impl Body<'_> {
                                 out.write_u8(*byte);
                             }
                         }
+                        Field::Array(bytes) => bytes.iter().for_each(|byte| out.write_u8(*byte)),
                         Field::Owned(text) => out.write_string(text),
                         Field::I8(value) => out.write_i8(*value),
                         Field::U8(value) => out.write_u8(*value),

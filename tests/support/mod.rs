@@ -31,6 +31,7 @@ pub mod encode;
 pub mod foxglove;
 pub mod heard;
 pub mod motion;
+pub mod packets;
 pub mod page;
 pub mod program;
 pub mod radars;

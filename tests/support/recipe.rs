@@ -97,7 +97,7 @@
 //!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!
-//! `from_drive: lidar` (a cloud; of what drives around the vehicle it sees) needs `lidar: {..}`, all of it optional: `driver: plain |
+//! `from_drive: lidar` (a cloud; of what drives around the vehicle it sees) needs `lidar: {..}`, all of it optional: `driver: plain | velodyne_packets |
 //! ouster | velodyne | hesai | robosense | livox | livox_points | nebula | unknown` (the layout of points and times), `beams`,
 //! `columns`, `table: even | vlp16 | pandar40 | os1` (elevations, and how beams look aside), `solid_state: true`, `surroundings: street |
 //! apron | slope | warehouse | garage`, `lost` (share of the rays), `window_deg: [from, to]`, `destaggered`, `filtered` (not

@@ -40,6 +40,7 @@ fn fields(message_type: &str) -> &'static str {
         "sensor_msgs/msg/Imu" => "h4d9d3d9d3d9d",
         "sensor_msgs/msg/NavSatFix" => "hbw3d9db",
         "sensor_msgs/msg/LaserScan" => "h7f[f][f]",
+        "velodyne_msgs/msg/VelodyneScan" => "h[2f1206b]",
         "sensor_msgs/msg/Temperature" => "h2d",
         other => panic!("{other} cannot be written as ROS 1"),
     }

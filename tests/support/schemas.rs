@@ -319,6 +319,20 @@ bool is_dense
 ",
     ),
     (
+        "velodyne_msgs/msg/VelodyneScan",
+        "
+std_msgs/Header header
+VelodynePacket[] packets
+",
+    ),
+    (
+        "velodyne_msgs/msg/VelodynePacket",
+        "
+builtin_interfaces/Time stamp
+uint8[1206] data
+",
+    ),
+    (
         "livox_ros_driver2/msg/CustomMsg",
         "
 std_msgs/Header header

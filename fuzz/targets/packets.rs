@@ -1,0 +1,25 @@
+//! Any bytes as packets of a lidar, of each maker: no panic, finite points, and not more of them than the bytes hold.
+use frames_lint::read::packets::{Maker, Packet, decode};
+
+/// Runs the target: the first two bytes are the length of every packet, the rest are the packets.
+pub fn run(bytes: &[u8]) {
+    let Some((length, bytes)) = bytes.split_first_chunk() else {
+        return;
+    };
+    let length = usize::from(u16::from_le_bytes(*length)).max(1);
+    for maker in [Maker::Velodyne, Maker::Hesai] {
+        for received_ns in [0, i64::MIN, 1_700_000_000_000_000_000, i64::MAX] {
+            let packets = bytes.chunks(length).map(|bytes| Packet { received_ns, bytes });
+            let count = packets.len();
+            let Ok(scan) = decode(maker, packets) else { continue };
+            // A return has two bytes at least.
+            assert!(scan.returns.len() <= bytes.len() / 2);
+            assert!(scan.refused < count && (scan.refused > 0) == scan.reason.is_some());
+            let finite = scan
+                .returns
+                .iter()
+                .all(|point| [point.x, point.y, point.z].iter().all(|value| value.is_finite()));
+            assert!(finite && !scan.model.is_empty());
+        }
+    }
+}
