@@ -13,7 +13,7 @@ use crate::read::messages::decoder::Decoder;
 use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::read::messages::format::Format;
-use crate::source::{Source, SourceId, SourceKind};
+use crate::source::{ReadStatus, Source, SourceId, SourceKind};
 use crate::world::cloud::RING_FIELDS;
 
 use super::content::cloud::is_return;
@@ -60,7 +60,7 @@ pub fn pcd(
         let mut found = first.found.into_iter();
         match (found.next(), found.next()) {
             (Some((topic, Some(Ok((bytes, count))))), None) => return Ok((bytes, topic, count)),
-            (Some((topic, Some(Err(why)))), None) => seen = format!("`{topic}`: {why}"),
+            (Some((topic, Some(Err(why)))), None) => return Err(format!("`{topic}`: {why}")),
             (Some((first, _)), Some((second, _))) => {
                 let others = found.map(|(topic, _)| topic);
                 let topics: Vec<String> = [first, second].into_iter().chain(others).collect();
@@ -70,13 +70,13 @@ pub fn pcd(
                     topics.join("`, `")
                 ));
             }
-            (Some((_, None)), None) | (None, _) if seen.is_empty() => {
-                seen = source.detail.unwrap_or_else(|| match topic {
+            (Some((_, None)), None) | (None, _) => {
+                let unreadable = source.detail.filter(|_| source.status == ReadStatus::Unreadable);
+                seen = unreadable.unwrap_or_else(|| match topic {
                     Some(topic) => format!("no cloud with a point is on `{topic}`"),
                     None => "no topic has a cloud with a point".to_owned(),
                 });
             }
-            _ => {}
         }
     }
     Err(seen)

@@ -5,6 +5,10 @@
 use std::fs;
 use std::path::Path;
 
+use frames_lint::read::messages::content::Body;
+use frames_lint::read::messages::decoder::Decoder;
+use frames_lint::read::messages::definition::Definitions;
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::packets::{Maker, Packet, decode};
 use frames_lint::source::{ReadStatus, Source};
 use frames_lint::world::bag::BagEvidence;
@@ -236,4 +240,84 @@ fn one_cloud_is_written_for_other_programs() {
         "{}",
         none.text()
     );
+}
+
+/// A message with packets and the stamp 5 s, behind whose frame `lidar` each packet is written by `write`.
+fn message(is_cdr: bool, packets: &[Vec<u8>], write: impl Fn(&[u8], &mut Vec<u8>)) -> Vec<u8> {
+    let mut bytes: Vec<u8> = if is_cdr { vec![0, 1, 0, 0] } else { vec![0; 4] };
+    bytes.extend([5_u32, 0].map(u32::to_le_bytes).concat());
+    let frame: &[u8] = if is_cdr { b"lidar\0\0\0" } else { b"lidar" };
+    bytes.extend(if is_cdr { [6, 0, 0, 0] } else { [5, 0, 0, 0] });
+    bytes.extend(frame);
+    bytes.extend(u32::try_from(packets.len()).unwrap().to_le_bytes());
+    for packet in packets {
+        while is_cdr && !bytes.len().is_multiple_of(4) {
+            bytes.push(0);
+        }
+        bytes.extend([5_u32, 0].map(u32::to_le_bytes).concat());
+        write(packet, &mut bytes);
+    }
+    bytes
+}
+
+#[test]
+fn the_maker_is_that_of_the_packets() {
+    let scan = Scan {
+        sequences: 2 * SEQUENCES,
+        start_ns: 5_000_000_000,
+        backwards: false,
+    };
+    let shot = Shot {
+        sequence: 0,
+        place: Vector3::new(3.0 * 15_f64.to_radians().cos(), 0.0, -3.0 * 15_f64.to_radians().sin()),
+    };
+    let velodyne: Vec<Vec<u8>> = scan.packets(&[shot]).into_iter().map(|(_, bytes)| bytes).collect();
+    let length = |packet: &[u8], bytes: &mut Vec<u8>| bytes.extend(u32::try_from(packet.len()).unwrap().to_le_bytes());
+    let nebula = |packet: &[u8], bytes: &mut Vec<u8>| {
+        length(packet, bytes);
+        bytes.extend(packet);
+    };
+    let pandar = |packet: &[u8], bytes: &mut Vec<u8>| {
+        bytes.extend(packet);
+        bytes.extend(vec![0; 1500 - packet.len()]);
+        length(packet, bytes);
+    };
+    for (encoding, package) in [("cdr", "msg/"), ("ros1", "")] {
+        let is_cdr = encoding == "cdr";
+        let decoded = |name: [&str; 2], bytes: &[u8]| {
+            let message_type = name.join(&format!("/{package}"));
+            let format = Format {
+                topic: "/packets",
+                message_type: &message_type,
+                message_encoding: encoding,
+                schema: b"",
+                schema_encoding: "",
+            };
+            let content = Decoder::of(&format, &Definitions::default())
+                .decode(bytes)
+                .map_err(|error| error.0)?;
+            assert_eq!(content.header.unwrap().frame_id, "lidar");
+            match content.body {
+                Body::Packets(scan) => scan.decode(5_000_000_000).map_err(|error| error.0),
+                other => panic!("{other:?}"),
+            }
+        };
+        let cloud = decoded(["nebula_msgs", "NebulaPackets"], &message(is_cdr, &velodyne, nebula)).unwrap();
+        assert_eq!(
+            (cloud.maker, cloud.model, cloud.cloud.width),
+            ("Velodyne", "VLP-16", 1),
+            "{encoding}"
+        );
+        let other = [vec![0x55, 0xaa, 5, 10]];
+        let error = decoded(["nebula_msgs", "NebulaPackets"], &message(is_cdr, &other, nebula)).unwrap_err();
+        assert!(error.contains("0x55aa is neither of Velodyne nor of Hesai"), "{error}");
+        let hesai = [vec![0xee, 0xff, 99, 99, 0, 0]];
+        let error = decoded(["pandar_msgs", "PandarScan"], &message(is_cdr, &hesai, pandar)).unwrap_err();
+        assert!(error.starts_with("a packet of 6 bytes"), "{error}");
+        let mut long = message(is_cdr, &hesai, pandar);
+        let size = long.len() - 4;
+        long[size..].copy_from_slice(&1501_u32.to_le_bytes());
+        let error = decoded(["pandar_msgs", "PandarScan"], &long).unwrap_err();
+        assert_eq!(error, "a packet of 1501 bytes in a field of 1500");
+    }
 }

@@ -94,14 +94,16 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
                    (AXES10)";
         return out.not_applicable(subject, why);
     }
+    // Packets state whose they are.
+    let sensor = clouds.evidence.packets.as_ref();
     let message = format!(
         "`{}`: the points sweep {} about z; a {} sweeps {}",
         clouds.topic.topic,
         seen.words(),
-        driver.name,
+        sensor.map_or(&driver.name, |sensor| &sensor.maker),
         expected.words()
     );
-    let (confidence, doubt) = if driver.is_among(&clouds.topic.words()) {
+    let (confidence, doubt) = if sensor.is_some() || driver.is_among(&clouds.topic.words()) {
         (Confidence::Likely, "")
     } else {
         (
