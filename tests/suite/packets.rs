@@ -212,7 +212,7 @@ fn one_cloud_is_written_for_other_programs() {
     let folder = folder();
     drive(|_| {}).write_mcap(&folder.path().join("drive.mcap"));
     let ran = program::run(folder.path(), ["collect", "drive.mcap", "--clouds", "first.pcd"]);
-    assert_eq!((ran.code, ran.out.is_empty()), (0, true), "{}", ran.text());
+    assert_eq!((ran.code, ran.out.is_empty()), (0, true), "{}", ran.err);
     let pcd = fs::read(folder.path().join("first.pcd")).unwrap();
     let text = String::from_utf8_lossy(&pcd);
     let head = text.split("DATA binary\n").next().unwrap();
@@ -225,20 +225,20 @@ fn one_cloud_is_written_for_other_programs() {
     assert_eq!(pcd.len(), head.len() + "DATA binary\n".len() + count * 26);
     // It is replaced by the next run; a recording never is.
     let again = program::run(folder.path(), ["collect", "drive.mcap", "--clouds", "first.pcd"]);
-    assert_eq!(again.code, 0, "{}", again.text());
+    assert_eq!(again.code, 0, "{}", again.err);
     let over = program::run(
         folder.path(),
         ["collect", "drive.mcap", "--clouds", "drive.mcap", "--force"],
     );
-    assert_eq!(over.code, 2, "{}", over.text());
+    assert_eq!(over.code, 2, "{}", over.err);
     let none = program::run(
         folder.path(),
         ["collect", "drive.mcap", "--clouds", "b.pcd", "--topic", "/imu"],
     );
     assert!(
-        none.code == 2 && none.text().contains("no cloud with a point is on `/imu`"),
+        none.code == 2 && none.err.contains("no cloud with a point is on `/imu`"),
         "{}",
-        none.text()
+        none.err
     );
 }
 

@@ -94,7 +94,6 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
                    (AXES10)";
         return out.not_applicable(subject, why);
     }
-    // Packets state whose they are.
     let sensor = clouds.evidence.packets.as_ref();
     let message = format!(
         "`{}`: the points sweep {} about z; a {} sweeps {}",
