@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::places::{self, published_reading};
 use crate::analysis::{names, names::Standard, tf, tree::loops::loops};
 use crate::rules::prelude::*;
-use crate::world::graph::FrameGraph;
+use crate::world::graph::{Edge, FrameGraph};
 use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
 
 pub(crate) struct MultipleParents;
@@ -63,19 +63,17 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             continue;
         }
         failed = true;
-        let message = format!(
-            "`{child}` is published under `{}`, but already has the parent `{}`",
-            edge.parent, other.parent
-        );
-        let mut finding = Finding::error(format!("frame `{child}`"), message, place)
-            .likely()
+        // Of two published ones, the one with parent and child exchanged is the wrong one.
+        let lone = [edge, other].map(|one| is_under_a_lone_sensor(world, launched, one));
+        let (wrong, kept, place) = match places::of_edge(world, other) {
+            Some(place) if lone == [false, true] => (other, edge, place),
+            _ => (edge, other, place),
+        };
+        let mut finding = second_parent(wrong, kept, place, lone.contains(&true) && lone.contains(&false))
             .confidence(published_reading(world, edge))
-            .confidence(published_reading(world, other))
-            .label(format!("makes `{}` the parent of `{child}`", edge.parent))
-            .help(one_parent(child, &edge.parent, &other.parent))
-            .measured(Measured::count("parents", 2).limit(1.0));
-        if let Some(place) = places::of_edge(world, other) {
-            finding = finding.related(place, format!("makes `{}` the parent of `{child}`", other.parent));
+            .confidence(published_reading(world, other));
+        if let Some(place) = places::of_edge(world, kept) {
+            finding = finding.related(place, format!("makes `{}` the parent of `{child}`", kept.parent));
         }
         let closes = [edge, other]
             .iter()
@@ -92,6 +90,55 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
         out.pass(format!("published by {}", world.path(file)), [several.samples(judged)]);
     }
 }
+
+/// The finding of a published edge whose child has another parent.
+fn second_parent(edge: &Edge, kept: &Edge, place: Place, is_exchanged: bool) -> Finding {
+    let (parent, child) = (&edge.parent, &edge.child);
+    let subject = format!("frame `{child}`");
+    let finding = if is_exchanged {
+        let message =
+            format!("`{parent}` is published as a parent of `{child}`: parent and child are probably exchanged");
+        Finding::error(subject, message, place)
+            .relation("exchanged")
+            .detail(format!(
+                "`{child}` already has the parent `{}`, and nothing else connects `{parent}`. With parent and child exchanged, both have one parent.",
+                kept.parent
+            ))
+            .help(format!(
+                "exchange parent and child of this line (`{child}` -> `{parent}`); if the numbers are those of `{child}` in `{parent}`, invert \
+                 them, too"
+            ))
+    } else {
+        let message = format!(
+            "`{child}` is published under `{parent}`, but already has the parent `{}`",
+            kept.parent
+        );
+        Finding::error(subject, message, place).help(one_parent(child, parent, &kept.parent))
+    };
+    finding
+        .likely()
+        .label(format!("makes `{parent}` the parent of `{child}`"))
+        .measured(Measured::count("parents", 2).limit(1.0))
+}
+
+/// Whether the parent of a published edge is a sensor that nothing else connects, and its child has one other parent: with parent and
+/// child exchanged, both have one parent, and the sensor is connected.
+fn is_under_a_lone_sensor(world: &World, launched: &FrameGraph, edge: &Edge) -> bool {
+    let sensor = &edge.parent;
+    let is_mounted = names::is_device(sensor) || names::has_word(sensor, &["scan"]);
+    // Frames that a node attaches to the world at run time.
+    let is_located = names::is_world(sensor) || names::has_word(sensor, LOCATED);
+    let is_own = |one: &Edge| one.parent == *sensor && one.child == edge.child;
+    let is_alone = |graph: &FrameGraph| graph.edges_to(sensor).next().is_none() && graph.edges_from(sensor).all(is_own);
+    edge.is_published()
+        && is_mounted
+        && !is_located
+        && launched.parents_of(&edge.child).len() == 2
+        && [launched, world.graph(), world.whole()].into_iter().all(is_alone)
+}
+
+/// Words of frames that localization observes, not of sensors on the platform.
+const LOCATED: &[&str] = &["init", "pose", "tag", "marker", "tracker"];
 
 /// How a frame that two transforms place keeps one parent, and both of these stay connected.
 fn one_parent(child: &FrameId, a: &FrameId, b: &FrameId) -> String {
