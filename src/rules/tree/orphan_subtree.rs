@@ -16,6 +16,7 @@ impl Rule for OrphanSubtree {
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         judge_recorded(world, out);
+        judge_launched(world, out);
         let wholes = named_by_wholes(world);
         let (parts, components): (Vec<Component>, Vec<Component>) = world
             .graph()
@@ -70,7 +71,11 @@ impl Rule for OrphanSubtree {
             let Some(connected) = components.get(main).filter(|_| index != main) else {
                 continue;
             };
-            if orphan.members.is_disjoint(&in_cut_off) {
+            if is_connected_by_launch(world, orphan, connected) {
+                let trees = Measured::count("separate trees with those of launch files", 1).limit(1.0);
+                let root = orphan.roots.first().or(orphan.members.first());
+                out.pass(format!("subtree `{}`", root.map_or("?", FrameId::as_str)), [trees]);
+            } else if orphan.members.is_disjoint(&in_cut_off) {
                 judge_orphan(world, orphan, connected, &surroundings, out);
             } else if let Some(root) = orphan.roots.first().or(orphan.members.first()) {
                 let why = "a part of the recording could not be read, and may contain the connecting transform";
@@ -78,6 +83,95 @@ impl Rule for OrphanSubtree {
             }
         }
     }
+}
+
+/// Whether what launch files and scripts publish connects a tree with the main one. A recorded tree has the transforms of its time.
+fn is_connected_by_launch(world: &World, orphan: &Component, main: &Component) -> bool {
+    let (graph, whole) = (world.graph(), world.whole());
+    let mut recorded = orphan.members.iter().flat_map(|frame| graph.edges_to(frame));
+    let is_recorded = recorded.any(|edge| edge.claim(world).is_none());
+    !is_recorded
+        && whole
+            .components()
+            .iter()
+            .any(|all| !all.members.is_disjoint(&orphan.members) && !all.members.is_disjoint(&main.members))
+}
+
+/// Trees that only launch files and scripts publish, beside a robot whose tree they publish, too.
+fn judge_launched(world: &World, out: &mut Judge) {
+    let is_open = world.publishers.iter().any(|publisher| publisher.unread.is_some());
+    let is_part = world.robots.iter().any(|robot| robot.fragment.is_some());
+    if world.robots.is_empty() || is_open || is_part {
+        return;
+    }
+    let (graph, whole) = (world.graph(), world.whole());
+    let components = whole.components();
+    let home = components.get(main_component(world, &components));
+    let Some((home, top)) = home.and_then(|home| Some((home, home.roots.first()?))) else {
+        return;
+    };
+    for orphan in &components {
+        let ([root], true) = (orphan.roots.as_slice(), orphan.members.is_disjoint(&graph.frames)) else {
+            continue;
+        };
+        let Some(edge) = whole.edges_from(root).next() else {
+            continue;
+        };
+        let (source, place) = (edge.source(world), of_edge(world, edge));
+        // A file that publishes nothing of this robot may be of another one.
+        let is_beside = (whole.edges.iter())
+            .any(|other| other.is_published() && other.source(world) == source && home.members.contains(&other.child));
+        let (true, false, Some(place)) = (is_beside, is_attached_elsewhere(world, root, home), place) else {
+            continue;
+        };
+        let below = orphan.members.len() - 1;
+        let frames = if below == 1 { "frame" } else { "frames" };
+        let message =
+            format!("`{root}` and {below} {frames} below it are published, but not connected to the tree of `{top}`");
+        let finding = Finding::warning(format!("subtree `{root}`"), message, place)
+            .likely()
+            .confidence(places::published_reading(world, edge))
+            .label("root of the separate tree")
+            .detail("Neither the URDF nor a launch file attaches it. Look-ups between the two trees fail in tf2 (ConnectivityException).")
+            .help(format!(
+                "publish the static transform from a frame of the robot to `{root}`, or add the joint that mounts it to the URDF"
+            ))
+            .measured(Measured::count("separate trees", components.len()).limit(1.0))
+            .measured(Measured::count("frames in this tree", orphan.members.len()));
+        out.fail(match places::first(world, top) {
+            Some(place) => finding.related(place, "root of the main tree"),
+            None => finding,
+        });
+    }
+}
+
+/// Whether something that no launch file states probably attaches a frame: localization, a driver that publishes the frames of its own
+/// device, another robot's description, or a node that reads a calibration.
+fn is_attached_elsewhere(world: &World, root: &FrameId, home: &Component) -> bool {
+    const LOCATED: &[&str] = &[
+        "init", "origin", "pose", "tag", "marker", "tracker", "target", "dock", "board", "object",
+    ];
+    const SIDES: &[&str] = &[
+        "front", "rear", "back", "left", "right", "top", "side", "upper", "lower", "main",
+    ];
+    let device = |frame: &FrameId| {
+        frame
+            .tokens()
+            .into_iter()
+            .next()
+            .filter(|word| !SIDES.contains(&word.as_str()))
+    };
+    let own = device(root);
+    let is_of_device = || own.is_some() && home.members.iter().any(|frame| device(frame) == own);
+    let is_calibrated =
+        || (world.claims.iter()).any(|claim| claim.source_frame().is_some_and(|frame| frame.canonical() == *root));
+    root.as_str().is_empty()
+        || names::is_world(root)
+        || names::is_base(root)
+        || names::has_word(root, LOCATED)
+        || names::optical_stem(root).is_some()
+        || is_of_device()
+        || is_calibrated()
 }
 
 /// Trees of recorded TF that only a description connects: tf2 knows TF, and no URDF.
