@@ -33,6 +33,13 @@ pub(crate) fn is_conclusive(mount: &Mount, limits: &Limits) -> bool {
     mount.is_sibling || (not_turned || is_inverse) && names::optical_stem(mount.parent).is_none()
 }
 
+/// Whether a frame is rotated to optical axes below a frame that has them: the parent is named optical, and is not known to have other axes.
+pub(crate) fn is_doubled(graph: &FrameGraph, mount: &Mount, limits: &Limits) -> bool {
+    let is_optical = names::optical_stem(mount.parent).is_some();
+    let has_axes = || worst(graph, mount.parent).is_none_or(|above| off(&above) <= limits.calibrated_deg);
+    is_optical && off(mount) <= limits.calibrated_deg && has_axes()
+}
+
 /// The mount of an optical frame with the largest deviation.
 pub(crate) fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<'a>> {
     let stem = names::optical_stem(frame)?;

@@ -1,20 +1,22 @@
 //! NAME06: camera frames named optical that do not have optical axes.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::advice::places;
-use crate::analysis::name::optical::{Limits, OPTICAL_RPY, is_conclusive, off};
-use crate::analysis::{names, optical::mounts, suffix};
+use crate::analysis::name::optical::{Limits, OPTICAL_RPY, is_conclusive, is_doubled, off};
+use crate::analysis::places::published_reading;
+use crate::analysis::{names, optical::Mount, optical::mounts, suffix};
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
 use crate::math::{constants::AxisTurn, rotation::rotation_angle_between};
 use crate::rules::prelude::*;
+use crate::source::Confidence;
 use crate::verdict::Safety;
 use crate::world::{FrameId, World, graph::FrameGraph};
 
 pub(crate) struct OpticalSuffix;
 
 impl Rule for OpticalSuffix {
-    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
@@ -22,6 +24,20 @@ impl Rule for OpticalSuffix {
         for frame in &graph.frames {
             if let Some(stem) = names::optical_stem(frame) {
                 judge_frame(world, graph, frame, &stem, limits, out);
+            }
+        }
+        // What only a launch file attaches. A transform that several files publish is judged once.
+        let mut judged: Vec<(&FrameId, &FrameId, Option<Isometry3<f64>>)> = Vec::new();
+        for launched in world.launched() {
+            for edge in launched.edges.iter().filter(|edge| edge.is_published()) {
+                let this = (&edge.parent, &edge.child, edge.pose);
+                let is_attached = graph.edges_to(&edge.child).next().is_some();
+                if let (Some(stem), false, false) =
+                    (names::optical_stem(&edge.child), is_attached, judged.contains(&this))
+                {
+                    judged.push(this);
+                    judge_frame(world, launched, &edge.child, &stem, limits, out);
+                }
             }
         }
     }
@@ -37,6 +53,12 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     let measured = Measured::new("rotation from optical axes", deg, "deg")
         .turn()
         .limit(limits.exact_deg);
+    if is_doubled(graph, worst, limits) {
+        if let Some(finding) = doubled(world, subject, frame, worst) {
+            out.fail(finding.measured(measured));
+        }
+        return;
+    }
     if deg <= limits.exact_deg {
         return out.pass(subject, [measured]);
     }
@@ -59,6 +81,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     } else {
         format!("`{frame}` is rotated {deg:.1} deg from optical axes, relative to `{parent}`")
     };
+    let reading = edge.map_or(Confidence::Certain, |edge| published_reading(world, edge));
     let (finding, rest) = if deg <= limits.calibrated_deg {
         let rest = format!("; if the {deg:.1} deg were calibrated, add them to the transform of `{parent}`");
         (Finding::warning(subject, message, place).likely(), rest)
@@ -68,6 +91,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         (Finding::error(subject, message, place).likely(), String::new())
     };
     let mut finding = finding
+        .confidence(reading)
         .label("this rotation")
         .measured(measured)
         .detail(what)
@@ -83,6 +107,25 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         Some(edit) => finding.fix("rotate it to optical axes", Safety::ChangesBehaviour, vec![edit]),
         None => finding,
     });
+}
+
+/// The finding of an optical frame that is rotated to optical axes below a frame that has them.
+fn doubled(world: &World, subject: String, frame: &FrameId, mount: &Mount) -> Option<Finding> {
+    let parent = &mount.parent;
+    let message = format!("`{frame}` is rotated to optical axes once more, below the optical frame `{parent}`");
+    let edge = mount.edge?;
+    let finding = Finding::error(subject, message, crate::analysis::places::of_numbers(world, edge)?)
+        .likely()
+        .confidence(published_reading(world, edge))
+        .label("this rotation")
+        .detail(format!(
+            "`{parent}` has optical axes (z forward, x right, y down). With the rotation applied twice, `{frame}` has z to the right and x up."
+        ))
+        .relation(Relation::AppliedTwice.word())
+        .help(format!(
+            "give `{frame}` no rotation relative to `{parent}`, or attach it to the camera's own link, with x forward"
+        ));
+    Some(finding)
 }
 
 /// The mistake, if it is one of the common ones, with a sentence.
