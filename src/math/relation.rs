@@ -15,6 +15,10 @@ mod tests_relation;
 #[cfg(test)]
 mod tests_setup;
 
+use nalgebra::UnitQuaternion;
+
+use super::rotation::turn_in_words;
+
 pub use classify::{Classification, Tolerance, TwoWayMatch, classify, classify_either_way, classify_rotation};
 
 /// Writes the enum, the list in prior order, the words, phrases and sentences from one table, so that they can't drift.
@@ -45,6 +49,15 @@ macro_rules! relations {
             /// One plain sentence: which convention error this is.
             pub const fn describe(self) -> &'static str {
                 match self { $(Relation::$name => $sentence,)* }
+            }
+
+            /// The sentence, with the rotation that is missing where it is lost; `right` is the correct one.
+            pub fn describe_beside(self, right: &UnitQuaternion<f64>) -> String {
+                let sentence = self.describe();
+                match self {
+                    Relation::RotationLost => format!("{sentence} What is missing is {}.", turn_in_words(right)),
+                    _ => sentence.to_owned(),
+                }
             }
 
             /// The predicate of a sentence about a transform with this error; `right` names the correct one.
@@ -228,6 +241,11 @@ impl Relation {
             R::Z180Inverse => Some(R::InverseZ180),
             _ => Some(self),
         }
+    }
+
+    /// Whether the relation is an order of a quaternion's numbers: only what is written as a quaternion can have it.
+    pub fn is_quaternion_order(self) -> bool {
+        matches!(self, Relation::Wxyz | Relation::Xyzw)
     }
 
     /// Whether the relation changes the translation only: such a one can't explain a difference of rotations.

@@ -38,6 +38,19 @@ pub(crate) fn rpy_in_words(rotation: &UnitQuaternion<f64>) -> String {
     format!("RPY({roll}, {pitch}, {yaw}) deg")
 }
 
+/// A rotation as a text: `180.0 deg about x` along an axis, else as [`rpy_in_words`].
+pub(crate) fn turn_in_words(rotation: &UnitQuaternion<f64>) -> String {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let along = rotation.axis_angle().and_then(|(axis, angle)| {
+        let (part, name) = axis.iter().zip(AXES).find(|(part, _)| part.abs() > 0.9999)?;
+        // Half a turn has no sign.
+        let is_half = (angle.to_degrees() - 180.0).abs() < 0.05;
+        let signed = if is_half { angle } else { angle * part.signum() };
+        Some(format!("{:.1} deg about {name}", signed.to_degrees()))
+    });
+    along.unwrap_or_else(|| rpy_in_words(rotation))
+}
+
 /// A rotation as the text of a quaternion x y z w; of the two quaternions that are this rotation, the one with w >= 0.
 pub(crate) fn xyzw_in_words(rotation: &UnitQuaternion<f64>, decimals: i32) -> String {
     let q = rotation.coords;

@@ -259,3 +259,10 @@ fn a_translation_stated_apart_is_the_origin_of_one_frame_in_the_other() {
     near(turned * Point3::new(1.0, 2.0, 3.0), Point3::origin());
     near(turned * Point3::origin(), Point3::new(2.0, -1.0, -3.0));
 }
+
+#[test]
+fn a_turn_about_an_axis_is_named_by_it() {
+    assert_eq!(turn_in_words(&from_rpy(PI, 0.0, 0.0)), "180.0 deg about x");
+    assert_eq!(turn_in_words(&from_rpy(0.0, 0.0, -FRAC_PI_2)), "-90.0 deg about z");
+    assert_eq!(turn_in_words(&from_rpy(FRAC_PI_2, 0.0, FRAC_PI_2)), "RPY(90, 0, 90) deg");
+}

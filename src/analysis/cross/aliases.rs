@@ -29,17 +29,28 @@ pub(crate) struct StatedTransform<'c> {
     pub(crate) target: &'c FrameId,
     pub(crate) source: &'c FrameId,
     pub(crate) pose: Isometry3<f64>,
+    /// Whether it is written as a quaternion.
+    pub(crate) is_quaternion: bool,
 }
 
 impl<'g> Candidate<'g> {
-    fn new(target: &'g FrameId, source: &'g FrameId, pose: Isometry3<f64>, stated: &Isometry3<f64>) -> Self {
-        let difference = pose.inv_mul(stated);
+    fn new(
+        world: &World,
+        (target, source, pose): (&'g FrameId, &'g FrameId, Isometry3<f64>),
+        stated: &StatedTransform,
+    ) -> Self {
+        let difference = pose.inv_mul(&stated.pose);
+        // What TF states is a quaternion, too.
+        let tolerance = Tolerance {
+            has_quaternion: stated.is_quaternion || world.bags.iter().any(|bag| !bag.tf.is_empty()),
+            ..Tolerance::default()
+        };
         Self {
             target,
             source,
             off_deg: difference.rotation.angle().to_degrees(),
             off_m: difference.translation.vector.norm(),
-            found: classify(&pose, stated, &Tolerance::default()),
+            found: classify(&pose, &stated.pose, &tolerance),
             pose,
         }
     }
@@ -145,7 +156,7 @@ impl<'g> Search<'g> {
         let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
         let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
             let pose = self.world.graph().rigid().between(a, b).filter(|_| self.look())?;
-            Some(Candidate::new(a, b, pose, &stated.pose))
+            Some(Candidate::new(self.world, (a, b, pose), stated))
         });
         found.collect()
     }
@@ -232,7 +243,7 @@ impl<'g> Search<'g> {
             let apart = one.pose.inv_mul(&pose);
             apart.rotation.angle().to_degrees() <= exact.exact_deg && length(&apart) <= exact.exact_m
         });
-        let candidate = Candidate::new(target, source, pose, &stated.pose);
+        let candidate = Candidate::new(self.world, (target, source, pose), stated);
         if !is_known && candidate.is_met(exact) {
             found.push(candidate);
         }

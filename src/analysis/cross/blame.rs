@@ -3,7 +3,7 @@
 //! Must not word a finding.
 
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
-use crate::math::relation::{Classification, Relation, Tolerance, TwoWayMatch, classify, classify_either_way};
+use crate::math::relation::{Classification, Relation, TwoWayMatch, classify, classify_either_way};
 
 /// Puts the statement with the error second, and names the relation from the first to it. The reference is taken as right
 /// unless the numbers, or most of the other sources, contradict it.
@@ -23,7 +23,7 @@ pub(crate) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
         // Two against one, where the error has a name in the other direction as well.
         Some(_) => {
             outvoted(pair)
-                && classify(&pair.other.pose, &pair.reference.pose, &Tolerance::default())
+                && classify(&pair.other.pose, &pair.reference.pose, &pair.tolerance())
                     .best
                     .is_some()
         }
@@ -62,13 +62,12 @@ pub(crate) fn named(pair: &Pair) -> Option<Relation> {
 pub(crate) fn either_way(pair: &Pair) -> Option<TwoWayMatch> {
     let complete = |s: &Statement| s.has_rotation && s.has_translation;
     (complete(&pair.reference) && complete(&pair.other))
-        .then(|| classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default()))
+        .then(|| classify_either_way(&pair.reference.pose, &pair.other.pose, &pair.tolerance()))
 }
 
 /// Whether the first of the two may be the wrong one instead, with radians that were read as degrees.
 pub(crate) fn holds_radians_twice(pair: &Pair) -> bool {
-    let tolerance = Tolerance::default();
-    classify(&pair.other.pose, &pair.reference.pose, &tolerance)
+    classify(&pair.other.pose, &pair.reference.pose, &pair.tolerance())
         .class
         .contains(&Relation::Radians)
 }

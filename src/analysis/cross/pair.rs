@@ -65,6 +65,11 @@ impl Statement {
         self.bare_quaternion
     }
 
+    /// Whether its numbers are those of a quaternion: of one that is written, or of TF.
+    pub(crate) fn is_quaternion(&self) -> bool {
+        self.bare_quaternion || self.rank == Rank::Tf
+    }
+
     /// Whether its frames are a program's names for its sensors.
     pub(crate) fn is_guess(&self) -> bool {
         self.roles.is_some()
@@ -181,9 +186,17 @@ impl Pair {
         }
     }
 
+    /// The limits of a relation between the two: quaternion orders only where one of them is written as a quaternion.
+    pub(crate) fn tolerance(&self) -> Tolerance {
+        Tolerance {
+            has_quaternion: self.reference.is_quaternion() || self.other.is_quaternion(),
+            ..Tolerance::default()
+        }
+    }
+
     /// The relation between the two and their plain difference; parts that one does not state are not compared.
     pub(crate) fn classify(&self) -> Classification {
-        let tolerance = Tolerance::default();
+        let tolerance = self.tolerance();
         let (a, b) = (&self.reference, &self.other);
         if a.has_translation && b.has_translation {
             let mut a_pose = a.pose;

@@ -27,6 +27,8 @@ pub struct Tolerance {
     /// ... and "equal" scores at least this many times as much. The same ratio decides between a simpler and a better
     /// fitting relation of one class.
     pub near_ratio: f64,
+    /// Whether one of the two is written as a quaternion: else the order of its numbers can't explain a difference.
+    pub has_quaternion: bool,
 }
 
 impl Default for Tolerance {
@@ -39,6 +41,7 @@ impl Default for Tolerance {
             near_distance_m: 0.3,
             near_best_score: 0.35,
             near_ratio: 6.0,
+            has_quaternion: true,
         }
     }
 }
@@ -204,6 +207,7 @@ fn decide(
         return unexplained(Vec::new());
     }
     let candidates: Vec<Candidate> = relations
+        .filter(|relation| tol.has_quaternion || !relation.is_quaternion_order())
         .filter_map(|relation| {
             let predicted = relation.apply(t1)?;
             Some(Candidate {

@@ -207,10 +207,14 @@ impl Loop<'_> {
             return out.pass(subject, measured);
         }
         let Some((_, first)) = self.edges.first() else { return };
+        let tolerance = Tolerance {
+            has_quaternion: self.edges.iter().any(|(_, one)| one.is_quaternion()),
+            ..Tolerance::default()
+        };
         let culprits: Vec<(&Statement, Relation)> = (0..3)
             .filter_map(|index| {
                 let (held, statement) = self.edges.get(index)?;
-                let relation = classify(&self.expected(index), held, &Tolerance::default()).error()?;
+                let relation = classify(&self.expected(index), held, &tolerance).error()?;
                 Some((*statement, relation))
             })
             .collect();

@@ -128,7 +128,7 @@ fn finding(
             format!(
                 "{} If {reference} is right, this is the error in {other}. {} With this error undone",
                 pair.frames_stated(),
-                relation.describe()
+                relation.describe_beside(&pair.reference.pose.rotation)
             ),
         )
     };

@@ -10,7 +10,7 @@ use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId};
 use crate::world::transform_name::{self, NameStyle};
-use crate::world::{Claim, ClaimKind, FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
 
 pub(crate) struct FrameAliases;
 
@@ -59,8 +59,12 @@ impl Rule for FrameAliases {
             if !is_whole || is_known(target) && is_known(source) {
                 continue;
             }
-            let pose = pose.isometry();
-            let stated = StatedTransform { target, source, pose };
+            let stated = StatedTransform {
+                target,
+                source,
+                pose: pose.isometry(),
+                is_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+            };
             asked.push(OwnTransform {
                 claim,
                 dialect,
@@ -323,7 +327,7 @@ fn suspicion(
             world.path(claim.place.source),
             candidate.target,
             candidate.source,
-            relation.describe()
+            relation.describe_beside(&candidate.pose.rotation)
         ))
         .help(format!(
             "{} the transform in the file. If the assumed names are right, confirm them in frames-lint.yaml:\naliases: {{{}}}",
