@@ -276,6 +276,9 @@ impl Loop<'_> {
         finding = culprits.iter().fold(finding, |finding, (culprit, _)| {
             finding.unless_about(codes::CROSS02, culprit.who.clone())
         });
+        for frame in self.frames {
+            finding = finding.unless_about(codes::CROSS07, format!("`{frame}` has the transform of the robot's `"));
+        }
         if culprits.is_empty() {
             finding = finding.unless(codes::CROSS01);
         }

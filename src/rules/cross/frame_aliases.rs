@@ -1,12 +1,13 @@
 //! CROSS07: which frames of the robot a calibration means by its own names for sensors, by their transform.
 
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 use nalgebra::Isometry3;
 
 use crate::analysis::cross::aliases::{Candidate, FileTransforms, Search, StatedTransform};
 use crate::analysis::cross::exact;
-use crate::math::relation::Relation;
+use crate::math::{relation::Relation, rotation};
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId};
 use crate::world::transform_name::{self, NameStyle};
@@ -29,51 +30,11 @@ impl Rule for FrameAliases {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let graph = world.graph();
-        let aliases = &world.conventions.aliases;
         let exact = world.limits::<exact::Limits>();
-        let mut asked: Vec<OwnTransform> = Vec::new();
-        for claim in &world.claims {
-            let file = world.path(claim.place.source);
-            let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
-            let confirmed = confirmed
-                .filter(|frame| aliases.iter().any(|alias| alias.frame == **frame && alias.holds(file)))
-                .count();
-            if let (ClaimKind::File { roles: false, .. }, 1..) = (&claim.kind, confirmed) {
-                let subject = format!("frames of `{}` of {file}", claim.label);
-                out.pass(subject, [Measured::count("frames that an alias confirms", confirmed)]);
-                continue;
-            }
-            let (ClaimKind::File { roles, dialect }, Some((target, source)), Some(pose)) =
-                (&claim.kind, &claim.frames, &claim.pose)
-            else {
-                continue;
-            };
-            let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
-            // A key whose reading is a guess may also mean the other direction. Which words are a frame is no guess where the robot has it.
-            let is_prefix = || transform_name::parse(&claim.label).is_some_and(|name| name.style == NameStyle::Prefix);
-            let is_split = || (is_known(target) || is_known(source)) && is_prefix();
-            let is_read = *roles || claim.reading > Confidence::Hint || is_split();
-            let is_whole = claim.has_rotation && claim.has_translation && is_read;
-            // Frames of one name are compared by CROSS01 and CROSS02.
-            if !is_whole || is_known(target) && is_known(source) {
-                continue;
-            }
-            let stated = StatedTransform {
-                target,
-                source,
-                pose: pose.isometry(),
-                is_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
-            };
-            asked.push(OwnTransform {
-                claim,
-                dialect,
-                roles: *roles,
-                stated,
-            });
-        }
+        let asked = own_transforms(world, out);
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
+        let mut found: Vec<(&OwnTransform, Vec<Candidate>)> = Vec::new();
         let mut of_files: BTreeMap<SourceId, FileTransforms> = BTreeMap::new();
         let mut asked_of: BTreeMap<SourceId, usize> = BTreeMap::new();
         for one in &asked {
@@ -90,7 +51,18 @@ impl Rule for FrameAliases {
                 out.too_little(one.subject(world), why);
                 continue;
             }
-            suspected.extend(judge_claim(world, one, &candidates, (limits, &exact), out));
+            found.push((one, candidates));
+        }
+        let exchanged = exchanged(world, &found, limits);
+        for (index, (one, candidates)) in found.iter().enumerate() {
+            let Some(Exchange { with, base }) = exchanged.get(&index) else {
+                suspected.extend(judge_claim(world, one, candidates, (limits, &exact), out));
+                continue;
+            };
+            // One finding for both.
+            if let Some((with, _)) = found.get(*with).filter(|_| index < *with) {
+                out.fail(exchange(world, one, with, base));
+            }
         }
         let mut kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
         kinds.sort_unstable();
@@ -109,6 +81,53 @@ impl Rule for FrameAliases {
             out.fail(suspicion.finding);
         }
     }
+}
+
+/// The transforms of files between names that are not all frames of the robot. What aliases confirm passes.
+fn own_transforms<'w>(world: &'w Estimates, out: &mut Judge) -> Vec<OwnTransform<'w>> {
+    let graph = world.graph();
+    let aliases = &world.conventions.aliases;
+    let mut asked: Vec<OwnTransform> = Vec::new();
+    for claim in &world.claims {
+        let file = world.path(claim.place.source);
+        let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
+        let confirmed = confirmed
+            .filter(|frame| aliases.iter().any(|alias| alias.frame == **frame && alias.holds(file)))
+            .count();
+        if let (ClaimKind::File { roles: false, .. }, 1..) = (&claim.kind, confirmed) {
+            let subject = format!("frames of `{}` of {file}", claim.label);
+            out.pass(subject, [Measured::count("frames that an alias confirms", confirmed)]);
+            continue;
+        }
+        let (ClaimKind::File { roles, dialect }, Some((target, source)), Some(pose)) =
+            (&claim.kind, &claim.frames, &claim.pose)
+        else {
+            continue;
+        };
+        let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
+        // A key whose reading is a guess may also mean the other direction. Which words are a frame is no guess where the robot has it.
+        let is_prefix = || transform_name::parse(&claim.label).is_some_and(|name| name.style == NameStyle::Prefix);
+        let is_split = || (is_known(target) || is_known(source)) && is_prefix();
+        let is_read = *roles || claim.reading > Confidence::Hint || is_split();
+        let is_whole = claim.has_rotation && claim.has_translation && is_read;
+        // Frames of one name are compared by CROSS01 and CROSS02.
+        if !is_whole || is_known(target) && is_known(source) {
+            continue;
+        }
+        let stated = StatedTransform {
+            target,
+            source,
+            pose: pose.isometry(),
+            is_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+        };
+        asked.push(OwnTransform {
+            claim,
+            dialect,
+            roles: *roles,
+            stated,
+        });
+    }
+    asked
 }
 
 /// A transform that a file states between names of its own.
@@ -145,6 +164,77 @@ impl OwnTransform<'_> {
     }
 }
 
+/// The pairs of frames that have the transform as stated.
+fn equal<'c, 'g>(candidates: &'c [Candidate<'g>], limits: &Limits) -> Vec<&'c Candidate<'g>> {
+    let is_equal = |candidate: &&Candidate| candidate.is_within(limits.equal_deg, limits.equal_m);
+    candidates.iter().filter(is_equal).collect()
+}
+
+/// Transforms of a file, and what was found for each.
+type Found<'f, 'w> = (&'f OwnTransform<'w>, Vec<Candidate<'w>>);
+
+/// A transform that has the numbers of another one of its file, and the other one its numbers.
+struct Exchange<'g> {
+    /// The index of the other one.
+    with: usize,
+    /// The robot's frame that both are relative to.
+    base: &'g FrameId,
+}
+
+/// The transforms of two frames of the robot that a file states relative to one frame, each with the numbers of the other: by index, both ways.
+fn exchanged<'w>(world: &'w World, found: &[Found<'_, 'w>], limits: &Limits) -> BTreeMap<usize, Exchange<'w>> {
+    let rigid = world.graph().rigid();
+    let mut named: BTreeMap<(SourceId, &FrameId), BTreeMap<&FrameId, usize>> = BTreeMap::new();
+    for (index, (one, _)) in found.iter().enumerate() {
+        if let Some(own) = world.graph().frames.get(&one.stated.source.canonical()) {
+            let of_frame = named.entry((one.claim.place.source, one.stated.target)).or_default();
+            of_frame.entry(own).or_insert(index);
+        }
+    }
+    let is_near = |a: &Isometry3<f64>, b: &Isometry3<f64>| {
+        rotation::is_near(a, b, [limits.equal_deg.to_radians(), limits.equal_m])
+    };
+    let mut exchanged = BTreeMap::new();
+    for frames in named.values() {
+        for (a, at_a) in frames {
+            for (b, at_b) in frames.range::<&FrameId, _>((Bound::Excluded(a), Bound::Unbounded)) {
+                let (Some((one, candidates)), Some((other, _))) = (found.get(*at_a), found.get(*at_b)) else {
+                    continue;
+                };
+                let is_crossed = |base: &&FrameId| {
+                    let both = rigid.between(base, a).zip(rigid.between(base, b));
+                    both.is_some_and(|(of_a, of_b)| {
+                        let is_crossed = is_near(&of_b, &one.stated.pose) && is_near(&of_a, &other.stated.pose);
+                        is_crossed && !is_near(&of_a, &of_b)
+                    })
+                };
+                if let Some(base) = candidates.iter().map(|candidate| candidate.target).find(is_crossed) {
+                    exchanged.insert(*at_a, Exchange { with: *at_b, base });
+                    exchanged.insert(*at_b, Exchange { with: *at_a, base });
+                }
+            }
+        }
+    }
+    exchanged
+}
+
+/// The finding of two transforms of a file, each with the numbers of the other.
+fn exchange(world: &World, one: &OwnTransform, with: &OwnTransform, base: &FrameId) -> Finding {
+    let (a, b) = (one.stated.source, with.stated.source);
+    let path = world.path(one.claim.place.source);
+    let message = format!("the transforms of `{a}` and `{b}` are exchanged");
+    Finding::error(one.subject(world), message, one.claim.place.clone())
+        .likely()
+        .relation("exchanged")
+        .label(format!("`{a}`, with the transform of the robot's `{b}`"))
+        .related(with.claim.place.clone(), format!("`{b}`, with the transform of the robot's `{a}`"))
+        .detail(format!(
+            "In {path}, `{a}` has the transform of the robot's `{b}`, and `{b}` has the transform of the robot's `{a}`, relative to `{base}`."
+        ))
+        .help("exchange the numbers of the two in the file; if the names in the URDF are exchanged, correct these instead")
+        .measured(Measured::count("transforms with the numbers of the other", 2).limit(0.0))
+}
+
 fn judge_claim(
     world: &World,
     one: &OwnTransform,
@@ -175,10 +265,7 @@ fn judge_claim(
     let is_plain = |pose: &Isometry3<f64>| {
         pose.rotation.angle().to_degrees() <= limits.plain_deg && pose.translation.vector.norm() <= limits.plain_m
     };
-    let equal: Vec<&Candidate> = candidates
-        .iter()
-        .filter(|candidate| candidate.is_within(limits.equal_deg, limits.equal_m))
-        .collect();
+    let equal = equal(candidates, limits);
     let measured = |candidate: &Candidate| {
         [
             Measured::new("rotation difference, as written", candidate.off_deg, "deg").limit(limits.equal_deg),
