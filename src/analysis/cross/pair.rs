@@ -186,7 +186,7 @@ impl Pair {
         }
     }
 
-    /// The limits of a relation between the two: quaternion orders only where one of them is written as a quaternion.
+    /// The limits of a relation between the two, and whether one of them is written as a quaternion.
     pub(crate) fn tolerance(&self) -> Tolerance {
         Tolerance {
             has_quaternion: self.reference.is_quaternion() || self.other.is_quaternion(),

@@ -27,7 +27,7 @@ pub struct Tolerance {
     /// ... and "equal" scores at least this many times as much. The same ratio decides between a simpler and a better
     /// fitting relation of one class.
     pub near_ratio: f64,
-    /// Whether one of the two is written as a quaternion: else the order of its numbers can't explain a difference.
+    /// Whether one of the two is written as a quaternion: else the order of its numbers is the last explanation of a difference.
     pub has_quaternion: bool,
 }
 
@@ -186,7 +186,26 @@ pub fn classify_either_way(a: &Isometry3<f64>, b: &Isometry3<f64>, tol: &Toleran
     }
 }
 
+/// If neither of the two is written as a quaternion, an order of a quaternion's numbers counts only where nothing else explains the
+/// difference: a program may have read a quaternion wrongly before it wrote a matrix.
 fn decide(
+    t1: &Isometry3<f64>,
+    t2: &Isometry3<f64>,
+    tol: &Tolerance,
+    relations: impl Iterator<Item = Relation>,
+) -> Classification {
+    let all: Vec<Relation> = relations.collect();
+    if !tol.has_quaternion {
+        let others = all.iter().copied().filter(|relation| !relation.is_quaternion_order());
+        let found = decide_among(t1, t2, tol, others);
+        if found.best.is_some() {
+            return found;
+        }
+    }
+    decide_among(t1, t2, tol, all.into_iter())
+}
+
+fn decide_among(
     t1: &Isometry3<f64>,
     t2: &Isometry3<f64>,
     tol: &Tolerance,
@@ -207,7 +226,6 @@ fn decide(
         return unexplained(Vec::new());
     }
     let candidates: Vec<Candidate> = relations
-        .filter(|relation| tol.has_quaternion || !relation.is_quaternion_order())
         .filter_map(|relation| {
             let predicted = relation.apply(t1)?;
             Some(Candidate {
