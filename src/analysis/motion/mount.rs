@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::analysis::{names, names::Standard};
+use crate::math::constants::AxisTurn;
+use crate::world::conventions::{BodyAxes, Subject, WorldAxes};
 use crate::world::{FrameId, World};
 
 /// A sensor's mounting on its platform.
@@ -22,6 +24,25 @@ impl Mount {
     /// Whether z of the sensor's frame points down.
     pub(crate) fn is_upside_down(&self) -> bool {
         (self.base_from_sensor.rotation * Vector3::z()).z < 0.0
+    }
+}
+
+/// The rotation of a base into forward, left, up: the identity, unless the configuration or the name declares FRD or NED axes.
+pub(crate) fn flu_from_base(world: &World, base: &FrameId) -> UnitQuaternion<f64> {
+    let declared = world.conventions.of(&Subject {
+        frames: &[base],
+        ..Subject::default()
+    });
+    let convention = declared.map(|declared| declared.convention).unwrap_or_default();
+    let is_down = match (convention.body, convention.world) {
+        (Some(body), _) => body == BodyAxes::Frd,
+        (None, Some(world)) => world == WorldAxes::Ned,
+        (None, None) => base.has_token("frd") || base.has_token("ned"),
+    };
+    if is_down {
+        AxisTurn::FluFrd.quaternion()
+    } else {
+        UnitQuaternion::identity()
     }
 }
 

@@ -1,11 +1,13 @@
 //! CAMERA01: where cameras look, and whether they are upright, by their optical frames.
 
 use std::cell::LazyCell;
+use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::analysis::camera::published::{NameAgreement, VERTICAL, looks_against_its_name};
-use crate::analysis::motion::mount::{Mount, Mounts};
+use crate::analysis::motion::mount::{Mount, Mounts, flu_from_base};
+use crate::analysis::name::optical::is_turned_from_its_link;
 use crate::analysis::{names, places};
 use crate::math::{constants::AxisTurn, stats::rounded};
 use crate::rules::prelude::*;
@@ -18,6 +20,7 @@ pub(crate) struct OpticalRotation;
 pub(crate) struct Limits {
     max_pitch_deg: f64,
     min_down: f64,
+    pure_pitch_deg: f64,
 }
 
 impl Rule for OpticalRotation {
@@ -41,7 +44,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         return out.missing(subject, why);
     };
     let base = &mount.base;
-    let turned = mount.base_from_sensor.rotation;
+    let turned = flu_from_base(world, base) * mount.base_from_sensor.rotation;
     let pitch_deg = (turned * Vector3::z()).z.clamp(-1.0, 1.0).asin().to_degrees();
     let down = -(turned * Vector3::y()).z;
     let pitch =
@@ -77,12 +80,16 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
             "`{frame}`: the optical axis (z) points {:.0} deg {side} the horizon of `{base}`",
             pitch_deg.abs()
         );
-        let finding = Finding::warning(subject, message, place)
-            .likely()
-            .relation(relation)
-            .help(format!(
+        let finding = Finding::warning(subject, message, place).likely().relation(relation);
+        let finding = if is_turned_from_its_link(world, frame) && is_pitched(&turned, limits) {
+            let name = format!("if the camera looks {word}, add `{word}` to the name of the frame");
+            let detail = "It has the optical rotation from its link, and the link is pitched by 90 deg.";
+            finding.hint().detail(detail).help(name)
+        } else {
+            finding.help(format!(
                 "compare the frame with the camera:\n(1) {turn}\n(2) if the camera looks {word}, add `{word}` to the name of the frame"
-            ));
+            ))
+        };
         return out.fail(better(finding.measured(pitch)));
     }
     if down < -limits.min_down {
@@ -107,6 +114,16 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         return out.fail(better(finding.measured([pitch, upright])));
     }
     out.pass(subject, [pitch, upright]);
+}
+
+/// Whether the link of an optical frame is pitched by 90 degrees, and not rotated otherwise.
+fn is_pitched(base_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> bool {
+    let base_from_link = base_from_optical * AxisTurn::Optical.quaternion().inverse();
+    let off_deg = |pitch: f64| {
+        let pitched = UnitQuaternion::from_euler_angles(0.0, pitch, 0.0);
+        base_from_link.angle_to(&pitched).to_degrees()
+    };
+    off_deg(FRAC_PI_2).min(off_deg(-FRAC_PI_2)) <= limits.pure_pitch_deg
 }
 
 /// RPY of the frame in the base with optical axes, if the frame has those of a link.
