@@ -95,18 +95,21 @@ pub struct Link {
     /// Its visuals.
     #[serde(default)]
     pub visuals: Vec<Visual>,
+    /// Its collisions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub collisions: Vec<Visual>,
 }
 
-/// The shape of a part of a link, for views.
+/// The shape of a part of a link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Visual {
-    /// `link_from_visual`; the identity if the numbers are not a pose.
+    /// `link_from_body`; the identity if the numbers are not a pose.
     pub pose: Pose,
     /// Its shape.
     pub shape: Shape,
 }
 
-/// The shape of a visual.
+/// The shape of a visual or a collision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {

@@ -134,4 +134,8 @@ pub(crate) struct Limits {
     pub max_yaw_deg: f64,
     /// How far `base_link` may be below, metres.
     pub max_below_m: f64,
+    /// How far the lowest points of the wheels may be from the ground, metres.
+    pub max_ground_m: f64,
+    /// How far the lowest points of wheels that stand on the ground may differ, metres.
+    pub same_wheels_m: f64,
 }

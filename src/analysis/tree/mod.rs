@@ -10,3 +10,4 @@ pub(crate) mod loops;
 pub(crate) mod odometry;
 pub(crate) mod rate;
 pub(crate) mod steps;
+pub(crate) mod wheels;

@@ -29,6 +29,7 @@ impl Reader<'_> {
             meshes: Vec::new(),
             has_geometry: false,
             visuals: Vec::new(),
+            collisions: Vec::new(),
         };
         for child in element.children() {
             match child.name() {
@@ -92,9 +93,14 @@ impl Reader<'_> {
                 _ => {}
             }
         }
-        if let Some(shape) = shape.filter(|_| usage == "visual") {
+        if let Some(shape) = shape {
             let pose = pose.unwrap_or_else(|| Pose::from_isometry(&Isometry3::identity()));
-            link.visuals.push(Visual { pose, shape });
+            let bodies = if usage == "visual" {
+                &mut link.visuals
+            } else {
+                &mut link.collisions
+            };
+            bodies.push(Visual { pose, shape });
         }
     }
 
