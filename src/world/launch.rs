@@ -54,7 +54,7 @@ pub struct StaticPublisher {
     pub unread: Option<ReadObstacle>,
 }
 
-/// The settings of one node of `robot_localization`.
+/// The settings of one node of `robot_localization`, or of one controller of ros_control.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LocalizationSettings {
     /// The name of the node in its file.
@@ -68,6 +68,11 @@ impl LocalizationSettings {
     pub fn number(&self, key: &str) -> Option<(f64, &Place)> {
         let value = self.values.get(key)?;
         Some((value.value.parse().ok()?, &value.place))
+    }
+
+    /// A setting that is a switch.
+    pub fn switch(&self, key: &str) -> Option<bool> {
+        self.values.get(key)?.value.to_lowercase().parse().ok()
     }
 
     /// A setting that is a text.

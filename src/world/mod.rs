@@ -106,6 +106,9 @@ pub struct World {
     /// Settings of `robot_localization`.
     #[serde(default)]
     pub localizations: Vec<LocalizationSettings>,
+    /// Settings of controllers of ros_control that publish odometry.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<LocalizationSettings>,
     /// Files whose quaternions are, or may be, of JPL's algebra, with the evidence for it.
     #[serde(default)]
     pub jpl: Vec<SourceValue<String>>,
@@ -154,6 +157,8 @@ pub struct Facts {
     pub publishers: Vec<StaticPublisher>,
     /// Settings of `robot_localization`.
     pub localizations: Vec<LocalizationSettings>,
+    /// Settings of controllers of ros_control that publish odometry.
+    pub drives: Vec<LocalizationSettings>,
     /// The file, where its quaternions are, or may be, of JPL's algebra, with the evidence for it.
     pub jpl: Vec<SourceValue<String>>,
 }
@@ -190,6 +195,7 @@ impl Facts {
             (self.channels.len(), "name of a sensor"),
             (self.projections.len(), "projection"),
             (self.localizations.len(), "node of robot_localization"),
+            (self.drives.len(), "controller that publishes odometry"),
             (self.references.len(), "reference to a calibration file"),
         ];
         let words = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
@@ -273,6 +279,7 @@ impl World {
             facts.iter().filter(|fact| has(fact)).cloned().collect()
         }
         let at = |place: &Place| has(place.source);
+        let of_node = |one: &LocalizationSettings| one.values.values().next().is_none_or(|value| at(&value.place));
         Self {
             label: self.label.clone(),
             sources: Arc::clone(&self.sources),
@@ -292,9 +299,8 @@ impl World {
             cameras: kept(&self.cameras, |one| at(&one.place)),
             projections: kept(&self.projections, |one| at(&one.place)),
             publishers: kept(&self.publishers, |one| at(&one.place)),
-            localizations: kept(&self.localizations, |one| {
-                one.values.values().next().is_none_or(|value| at(&value.place))
-            }),
+            localizations: kept(&self.localizations, of_node),
+            drives: kept(&self.drives, of_node),
             jpl: kept(&self.jpl, |one| at(&one.place)),
             made: Cache::default(),
         }
@@ -315,6 +321,7 @@ impl World {
         self.projections.extend(facts.projections);
         self.publishers.extend(facts.publishers);
         self.localizations.extend(facts.localizations);
+        self.drives.extend(facts.drives);
         self.jpl.extend(facts.jpl);
         self.made = Cache::default();
     }

@@ -164,6 +164,7 @@ fn read_text(
         facts.frames.extend(launched.frames);
         facts.publishers.extend(launched.publishers);
         facts.localizations.extend(launched.localizations);
+        facts.drives.extend(launch::collect_drives(root, source.id));
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;

@@ -1,9 +1,11 @@
 //! The reader of launch files and scripts: the static transforms that they publish, and the settings of localisation nodes.
 //!
 //! Owns the entry point and the notion of a call. `xml`, `python` and `shell` find calls in their grammar, `command` reads the arguments of one,
-//! `traced` keeps the place of every letter through substitutions, `settings` lists the settings that are kept.
+//! `traced` keeps the place of every letter through substitutions, `settings` lists the settings that are kept,
+//! `drives` finds controllers that publish odometry.
 
 mod command;
+mod drives;
 mod python;
 mod settings;
 mod shell;
@@ -21,6 +23,7 @@ use crate::world::{Facts, FrameRole, FrameUse};
 
 use super::input::ending;
 
+pub(crate) use drives::collect as collect_drives;
 pub(crate) use yaml::collect as collect_yaml;
 
 /// The grammar of a file.

@@ -10,7 +10,7 @@ use super::traced::TracedText;
 use super::{Call, CallCondition, LaunchFacts, PROGRAM, settings};
 
 /// Deeper values are not read.
-const MAX_DEPTH: usize = 32;
+pub(super) const MAX_DEPTH: usize = 32;
 
 /// What a document states about launched publishers and settings. Spans count in `text`.
 pub(crate) fn collect(root: &Node, text: &str, source: SourceId) -> Facts {
@@ -97,7 +97,7 @@ fn filters(node: &Node, name: &str, found: &mut LaunchFacts, depth: usize) {
     }
 }
 
-fn values_of(node: &Node, source: SourceId) -> Vec<(String, SourceValue<String>)> {
+pub(super) fn values_of(node: &Node, source: SourceId) -> Vec<(String, SourceValue<String>)> {
     let of = |(key, value): &(Node, Node)| {
         let text = match value.items() {
             Some(items) => items.iter().filter_map(Node::text).collect::<Vec<_>>().join(" "),
