@@ -8,25 +8,44 @@ use super::frames::frame_name;
 
 /// The key that holds the parameters of a node in ROS 2.
 const PARAMETERS: &str = "ros__parameters";
-/// Parameters that name a frame, whatever node has them: those of nav2 and the navigation stack, AMCL, robot_localization, slam_toolbox and
-/// Cartographer. ROS 1 does not mark a file of parameters.
+/// Parameters that name a frame, whatever node has them: those of nav2 and the navigation stack, AMCL, robot_localization, slam_toolbox,
+/// Cartographer, LIO-SAM, hdl_localization, KISS-ICP and GLIM. ROS 1 does not mark a file of parameters.
 const NAMES: &[&str] = &[
     "base_footprint_frame",
     "base_frame",
     "base_frame_id",
     "base_link_frame",
     "base_link_frame_id",
+    "baselinkFrame",
     "global_frame",
     "global_frame_id",
+    "gnss_frame",
+    "gnss_frame_id",
+    "imu_frame",
+    "imu_frame_id",
+    "laser_frame",
+    "laser_frame_id",
+    "lidarFrame",
+    "lidar_frame",
+    "lidar_frame_id",
+    "lidar_odom_frame",
+    "mapFrame",
     "map_frame",
     "map_frame_id",
+    "odom_child_frame_id",
     "odom_frame",
     "odom_frame_id",
+    "odometryFrame",
     "published_frame",
     "robot_base_frame",
+    "robot_odom_frame_id",
     "tracking_frame",
     "world_frame",
 ];
+/// Ends of the names of parameters that name a frame, in the parameters of a node.
+const ENDS: &[&str] = &["_frame", "frame_id", "frame_name", "Frame", "FrameId"];
+/// Parameters with such an end and another meaning: a convention of MAVLink, and images that a program keeps.
+const OTHERS: &[&str] = &["mav_frame", "key_frame", "keyframe", "keyFrame", "KeyFrame"];
 
 /// The frames of a document's parameters, each at its first place.
 pub(super) fn collect(root: &Node, source: SourceId) -> Vec<FrameUse> {
@@ -66,7 +85,8 @@ pub(super) fn collect(root: &Node, source: SourceId) -> Vec<FrameUse> {
 /// Whether a parameter names a frame; groups are written with dots, too (`local_costmap.robot_base_frame`).
 fn names_a_frame(key: &str, is_of_a_node: bool) -> bool {
     let last = key.rsplit(['.', '/']).next().unwrap_or_default();
-    NAMES.contains(&last) || is_of_a_node && (last.ends_with("_frame") || last.ends_with("frame_id"))
+    let ends = || ENDS.iter().any(|end| last.ends_with(end)) && !OTHERS.iter().any(|other| last.contains(other));
+    NAMES.contains(&last) || is_of_a_node && ends()
 }
 
 /// Whether a text can be the name of a frame: no switch, and no placeholder that another program fills in.
