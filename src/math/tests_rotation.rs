@@ -264,5 +264,8 @@ fn a_translation_stated_apart_is_the_origin_of_one_frame_in_the_other() {
 fn a_turn_about_an_axis_is_named_by_it() {
     assert_eq!(turn_in_words(&from_rpy(PI, 0.0, 0.0)), "180.0 deg about x");
     assert_eq!(turn_in_words(&from_rpy(0.0, 0.0, -FRAC_PI_2)), "-90.0 deg about z");
-    assert_eq!(turn_in_words(&from_rpy(FRAC_PI_2, 0.0, FRAC_PI_2)), "RPY(90, 0, 90) deg");
+    assert_eq!(
+        turn_in_words(&from_rpy(FRAC_PI_2, 0.0, FRAC_PI_2)),
+        "RPY(90, 0, 90) deg"
+    );
 }

@@ -100,6 +100,7 @@ macro_rules! registry {
                 TIME09 => sensor_time_offset::SensorTimeOffset,
                 TIME10 => tf_vs_sensor_time::TfVsSensorTime,
                 TIME11 => leap_table_expiry::LeapTableExpiry,
+                TIME12 => camera_imu_offset::CameraImuOffset,
             }
             #[doc = "SENSOR: conventions of drivers, devices, simulators and autopilots."]
             sensor {

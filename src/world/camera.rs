@@ -57,6 +57,20 @@ pub struct CameraFile {
     pub camera: CameraModel,
 }
 
+/// The time offset between a camera and the IMU, as a file states it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatedDelay {
+    /// The key that states it.
+    pub key: String,
+    /// The number of the camera.
+    pub camera: u32,
+    /// `t_imu - t_cam` of one event, seconds.
+    #[serde(with = "super::number")]
+    pub offset_s: f64,
+    /// The number.
+    pub place: Place,
+}
+
 /// Calibrations of one topic.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationEvidence {

@@ -42,7 +42,7 @@ use index::Index;
 use launch::{LocalizationSettings, ReadObstacle, StaticPublisher};
 
 pub use bag::BagEvidence;
-pub use camera::CameraFile;
+pub use camera::{CameraFile, StatedDelay};
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
 pub use conventions::{AppliedConvention, Conventions};
@@ -109,6 +109,9 @@ pub struct World {
     /// Settings of controllers of ros_control that publish odometry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drives: Vec<LocalizationSettings>,
+    /// Time offsets between cameras and IMUs that files state.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub delays: Vec<StatedDelay>,
     /// Files whose quaternions are, or may be, of JPL's algebra, with the evidence for it.
     #[serde(default)]
     pub jpl: Vec<SourceValue<String>>,
@@ -159,6 +162,8 @@ pub struct Facts {
     pub localizations: Vec<LocalizationSettings>,
     /// Settings of controllers of ros_control that publish odometry.
     pub drives: Vec<LocalizationSettings>,
+    /// Time offsets between cameras and IMUs that a file states.
+    pub delays: Vec<StatedDelay>,
     /// The file, where its quaternions are, or may be, of JPL's algebra, with the evidence for it.
     pub jpl: Vec<SourceValue<String>>,
 }
@@ -196,6 +201,7 @@ impl Facts {
             (self.projections.len(), "projection"),
             (self.localizations.len(), "node of robot_localization"),
             (self.drives.len(), "controller that publishes odometry"),
+            (self.delays.len(), "offset of camera stamps"),
             (self.references.len(), "reference to a calibration file"),
         ];
         let words = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
@@ -301,6 +307,7 @@ impl World {
             publishers: kept(&self.publishers, |one| at(&one.place)),
             localizations: kept(&self.localizations, of_node),
             drives: kept(&self.drives, of_node),
+            delays: kept(&self.delays, |one| at(&one.place)),
             jpl: kept(&self.jpl, |one| at(&one.place)),
             made: Cache::default(),
         }
@@ -322,6 +329,7 @@ impl World {
         self.publishers.extend(facts.publishers);
         self.localizations.extend(facts.localizations);
         self.drives.extend(facts.drives);
+        self.delays.extend(facts.delays);
         self.jpl.extend(facts.jpl);
         self.made = Cache::default();
     }

@@ -5,6 +5,7 @@
 //! `leftovers` finds what was not read.
 
 mod cameras;
+mod delays;
 mod dialect;
 pub(crate) mod document;
 pub(crate) mod events;
@@ -155,6 +156,7 @@ fn read_text(
         facts.ousters.extend(ouster::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
         facts.frames.extend(parameters::collect(root, source.id));
+        facts.delays.extend(delays::collect(root, source.id));
         let (cameras, faults) = cameras::collect(root, source.id, text);
         facts.cameras.extend(cameras);
         problems.extend(faults);
