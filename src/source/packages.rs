@@ -18,6 +18,7 @@ const PARTS: &[&str] = &[
     "individual_params",
     "intrinsics",
     "kalibr",
+    "kalibr_results",
     "launch",
     "map",
     "maps",
@@ -28,6 +29,7 @@ const PARTS: &[&str] = &[
     "results",
     "survey",
     "urdf",
+    "vins",
     "xacro",
 ];
 
