@@ -7,7 +7,7 @@ use super::subject::constant_edges;
 use super::{Change, Fault, Subject, SubjectPlace};
 use crate::math::relation::Relation;
 use crate::math::rotation::is_near;
-use crate::world::{ClaimKind, Spelling, World};
+use crate::world::{ClaimKind, World};
 
 macro_rules! statements {
     ($($relation:ident $name:literal)*) => {
@@ -85,8 +85,7 @@ impl Restated {
             SubjectPlace::Claim(number) => {
                 let claim = world.claims.get(number)?;
                 let is_whole = claim.has_rotation && claim.has_translation;
-                let is_written = matches!(claim.spelling, Spelling::Quaternion { .. }) || !self.0.is_quaternion_order();
-                let can_have = is_whole && is_written || claim.has_translation && self.0.is_translation_only();
+                let can_have = is_whole || claim.has_translation && self.0.is_translation_only();
                 claim.pose.filter(|_| can_have)?
             }
             SubjectPlace::Edge { bag, edge } => world.bags.get(bag)?.tf.get(edge)?.first()?.pose,

@@ -86,7 +86,7 @@ relations! {
         "is % with a w, x, y, z quaternion read as x, y, z, w"
         "The quaternion is stored as w, x, y, z and was read as x, y, z, w."
     RotationLost "rotation-lost"
-        "has the translation of %, but no rotation"
+        "is % without its rotation"
         "The rotation is missing (identity); the translation is right."
     TranslationLost "translation-lost"
         "has the rotation of %, but no translation"
@@ -243,7 +243,7 @@ impl Relation {
         }
     }
 
-    /// Whether the relation is an order of a quaternion's numbers: only what is written as a quaternion can have it.
+    /// Whether the relation is an order of a quaternion's numbers.
     pub fn is_quaternion_order(self) -> bool {
         matches!(self, Relation::Wxyz | Relation::Xyzw)
     }

@@ -2,7 +2,7 @@
 //!
 //! Must not judge.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -147,33 +147,41 @@ impl Group {
 /// All pairs of a world: those of the frame tree by base frame, then those that files state in a base frame.
 pub(crate) fn groups(world: &World) -> Vec<Group> {
     let graph = world.graph();
-    let mut known = BTreeSet::new();
+    let mut open = named(graph.frames.iter());
     let mut groups = Vec::new();
     let is_root = |frame: &FrameId| graph.edges_to(frame).next().is_none();
     let is_body = |frame: &&FrameId| is_base_of_axes(frame) && (is_root(frame) || is_standard(frame));
     let bases = graph.frames.iter().filter(is_body);
     for base in bases {
+        if open.is_empty() {
+            break;
+        }
         let usable = |edge: &Edge| edge.is_rigid || matches!(edge.origin, EdgeOrigin::Joint(_));
-        let placed = graph
-            .reach(base, usable)
-            .into_iter()
-            .filter_map(|(frame, base_from_frame)| {
-                let edge = graph.edges_to(frame).next()?;
-                Some(Placed {
-                    frame: frame.clone(),
-                    base_from_frame,
-                    stays: graph.rigid().between(base, &edge.parent).is_some(),
-                    own: Some(Own {
-                        parent: edge.parent.clone(),
-                        parent_from_frame: edge.pose?,
-                        is_rigid: edge.is_rigid,
-                        turning: turning(world, edge, &base_from_frame),
-                    }),
-                    place: places::of_numbers(world, edge)?,
-                })
-            });
-        let mut pairs = pairs(placed.collect());
-        pairs.retain(|pair| known.insert((pair.left.frame.clone(), pair.right.frame.clone())));
+        let reached: BTreeMap<&FrameId, Isometry3<f64>> = graph.reach(base, usable).into_iter().collect();
+        let placed = |frame: &FrameId| {
+            let (edge, base_from_frame) = (graph.edges_to(frame).next()?, *reached.get(frame)?);
+            Some(Placed {
+                frame: frame.clone(),
+                base_from_frame,
+                stays: graph.rigid().between(base, &edge.parent).is_some(),
+                own: Some(Own {
+                    parent: edge.parent.clone(),
+                    parent_from_frame: edge.pose?,
+                    is_rigid: edge.is_rigid,
+                    turning: turning(world, edge, &base_from_frame),
+                }),
+                place: places::of_numbers(world, edge)?,
+            })
+        };
+        let mut pairs = Vec::new();
+        open.retain(|(left, right)| {
+            let pair = placed(left)
+                .zip(placed(right))
+                .map(|(left, right)| Pair { left, right });
+            let is_open = pair.is_none();
+            pairs.extend(pair);
+            is_open
+        });
         groups.push(Group {
             base: base.clone(),
             pairs,
@@ -203,7 +211,7 @@ pub(crate) fn groups(world: &World) -> Vec<Group> {
     }
     groups.extend(stated.into_iter().map(|((_, base), placed)| Group {
         base,
-        pairs: pairs(placed),
+        pairs: pairs(&placed),
     }));
     groups.retain(|group| !group.pairs.is_empty());
     groups
@@ -234,11 +242,9 @@ fn is_standard(frame: &FrameId) -> bool {
     matches!(names::standard(frame), Some((_, names::Standard::Base)))
 }
 
-fn pairs(placed: Vec<Placed>) -> Vec<Pair> {
-    let by_words: BTreeMap<Vec<String>, Placed> = placed
-        .into_iter()
-        .map(|placed| (placed.frame.tokens(), placed))
-        .collect();
+/// The pairs among frames, by their names.
+fn named<'f>(frames: impl Iterator<Item = &'f FrameId>) -> Vec<(&'f FrameId, &'f FrameId)> {
+    let by_words: BTreeMap<Vec<String>, &FrameId> = frames.map(|frame| (frame.tokens(), frame)).collect();
     let counterpart = |words: &[String]| {
         let sides = words.iter().enumerate().flat_map(|(at, word)| {
             let of_word = SIDES.iter().filter(move |[left, _]| left == word);
@@ -247,14 +253,23 @@ fn pairs(placed: Vec<Placed>) -> Vec<Pair> {
         let mut found = sides.filter_map(|(at, right)| {
             let mut other = words.to_vec();
             right.clone_into(other.get_mut(at)?);
-            by_words.get(&other)
+            by_words.get(&other).copied()
         });
         found.next()
     };
-    let pairs = by_words.iter().filter_map(|(words, left)| {
+    let pairs = by_words.iter();
+    pairs
+        .filter_map(|(words, left)| Some((*left, counterpart(words)?)))
+        .collect()
+}
+
+fn pairs(placed: &[Placed]) -> Vec<Pair> {
+    let of = |frame: &FrameId| placed.iter().find(|one| one.frame == *frame).cloned();
+    let pairs = named(placed.iter().map(|one| &one.frame)).into_iter();
+    let pairs = pairs.filter_map(|(left, right)| {
         Some(Pair {
-            left: left.clone(),
-            right: counterpart(words)?.clone(),
+            left: of(left)?,
+            right: of(right)?,
         })
     });
     pairs.collect()

@@ -1,15 +1,15 @@
 //! CAMERA01: where cameras look, and whether they are upright, by their optical frames.
 
-use std::cell::LazyCell;
-use std::f64::consts::FRAC_PI_2;
+mod axes;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use std::cell::LazyCell;
+
+use nalgebra::Vector3;
 
 use crate::analysis::camera::published::{NameAgreement, VERTICAL, looks_against_its_name};
-use crate::analysis::motion::mount::{Mount, Mounts, flu_from_base};
+use crate::analysis::motion::mount::{Mounts, flu_from_base};
 use crate::analysis::name::optical::is_turned_from_its_link;
 use crate::analysis::{names, places};
-use crate::math::{constants::AxisTurn, stats::rounded};
 use crate::rules::prelude::*;
 use crate::world::FrameId;
 
@@ -69,7 +69,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         let (side, word, relation, turn) = if pitch_deg > 0.0 {
             let turn = format!(
                 "if the frame has the axes of a link (x forward, z up), rotate the frame by RPY(-pi/2, 0, -pi/2), which gives {}",
-                as_optical(&mount)
+                axes::as_optical(&mount)
             );
             ("above", "up", "looks-up", turn)
         } else {
@@ -81,7 +81,7 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
             pitch_deg.abs()
         );
         let finding = Finding::warning(subject, message, place).likely().relation(relation);
-        let finding = if is_turned_from_its_link(world, frame) && is_pitched(&turned, limits) {
+        let finding = if is_turned_from_its_link(world, frame) && axes::is_pitched(&turned, limits) {
             let name = format!("if the camera looks {word}, add `{word}` to the name of the frame");
             let detail = "It has the optical rotation from its link, and the link is pitched by 90 deg.";
             finding.hint().detail(detail).help(name)
@@ -114,21 +114,4 @@ fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: 
         return out.fail(better(finding.measured([pitch, upright])));
     }
     out.pass(subject, [pitch, upright]);
-}
-
-/// Whether the link of an optical frame is pitched by 90 degrees, and not rotated otherwise.
-fn is_pitched(base_from_optical: &UnitQuaternion<f64>, limits: &Limits) -> bool {
-    let base_from_link = base_from_optical * AxisTurn::Optical.quaternion().inverse();
-    let off_deg = |pitch: f64| {
-        let pitched = UnitQuaternion::from_euler_angles(0.0, pitch, 0.0);
-        base_from_link.angle_to(&pitched).to_degrees()
-    };
-    off_deg(FRAC_PI_2).min(off_deg(-FRAC_PI_2)) <= limits.pure_pitch_deg
-}
-
-/// RPY of the frame in the base with optical axes, if the frame has those of a link.
-fn as_optical(mount: &Mount) -> String {
-    let (roll, pitch, yaw) = (mount.base_from_sensor.rotation * AxisTurn::Optical.quaternion()).euler_angles();
-    let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| rounded(angle, 4));
-    format!("rpy {roll} {pitch} {yaw} in `{}`", mount.base)
 }

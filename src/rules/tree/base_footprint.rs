@@ -1,10 +1,11 @@
 //! TREE13: `base_footprint` that is not the level projection of `base_link` onto the ground.
 
+mod wheels;
+
 use crate::analysis::tree::footprint::{LevelPath, Limits, Mount, level_paths, mounts};
-use crate::analysis::tree::wheels::standing;
 use crate::math::stats::quantile;
 use crate::rules::prelude::*;
-use crate::world::{FrameId, World};
+use crate::world::FrameId;
 
 pub(crate) struct BaseFootprint;
 
@@ -25,20 +26,17 @@ impl Rule for BaseFootprint {
             if let Some(worst) = mounts(world, footprint, &base).into_iter().max_by(by_rank) {
                 judge_mount(footprint, &base, &worst, limits, &mut measured, &mut findings);
             }
-            judge_wheels(world, footprint, &base, limits, &mut measured, &mut findings);
+            wheels::judge(world, footprint, &base, limits, &mut measured, &mut findings);
             for path in level_paths(world, footprint, namespace) {
                 judge_tilt(footprint, &path, limits, &mut measured, &mut findings);
             }
-            let subject = subject(footprint);
             if measured.is_empty() {
                 let why = format!("no transform to `{base}`, and no moving transform from `odom` or `map`");
-                out.too_little(subject, why);
+                out.too_little(subject(footprint), why);
             } else if findings.is_empty() {
-                out.pass(subject, measured);
+                out.pass(subject(footprint), measured);
             }
-            for finding in findings {
-                out.fail(finding);
-            }
+            findings.into_iter().for_each(|finding| out.fail(finding));
         }
     }
 }
@@ -74,57 +72,6 @@ fn judge_mount(
         findings.push(finding(message).help(help).measured(below.clone()));
     }
     measured.extend([yaw, below]);
-}
-
-fn judge_wheels(
-    world: &World,
-    footprint: &FrameId,
-    base: &FrameId,
-    limits: &Limits,
-    measured: &mut Vec<Measured>,
-    findings: &mut Vec<Finding>,
-) {
-    let wheels = standing(world, footprint, limits.same_wheels_m);
-    let Some(lowest) = wheels.first() else { return };
-    let (low_m, mount) = (lowest.lowest_m(), mounts(world, footprint, base).into_iter().next());
-    let height = Measured::new(
-        "height of the lowest point of the wheels above the footprint",
-        low_m,
-        "m",
-    )
-    .limit(limits.max_ground_m)
-    .samples(wheels.len() as u64);
-    measured.push(height.clone());
-    if low_m.abs() <= limits.max_ground_m {
-        return;
-    }
-    let side = if low_m < 0.0 { "below" } else { "above" };
-    let message = format!(
-        "the wheels end {:.3} m {side} `{footprint}`, which is on the ground",
-        low_m.abs()
-    );
-    let names: Vec<String> = wheels
-        .iter()
-        .map(|wheel| format!("`{}`", wheel.link.name.value))
-        .collect();
-    let place = mount.as_ref().map_or(&lowest.link.place, |mount| &mount.place);
-    let mut finding = Finding::warning(subject(footprint), message, place.clone())
-        .likely()
-        .detail(format!("Measured at {}, with all joints at zero.", names.join(", ")))
-        .measured(height);
-    let wheel_is_wrong = "if the height of the base is right, correct the radius or z of the wheels";
-    if let Some(mount) = mount {
-        let base_m = -mount.below_m - low_m;
-        finding = finding
-            .related(lowest.link.place.clone(), "the lowest wheel")
-            .help(format!(
-                "measure the height of the wheels' axis, then:\n\
-             (1) if the wheels are right, set z of `{base}` in `{footprint}` to {base_m:.3}\n(2) {wheel_is_wrong}"
-            ));
-    } else {
-        finding = finding.help(wheel_is_wrong);
-    }
-    findings.push(finding);
 }
 
 fn judge_tilt(

@@ -6,7 +6,7 @@ use crate::analysis::{names, places, places::of_edge, spelling::loose, tf, tree:
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::world::graph::{Component, FrameGraph};
-use crate::world::{FrameId, FrameRole, World};
+use crate::world::{Claim, FrameId, FrameRole, World};
 
 pub(crate) struct OrphanSubtree;
 
@@ -67,11 +67,13 @@ impl Rule for OrphanSubtree {
             .collect();
         let in_cut_off = world.frames.iter().filter(|used| cut_off.contains(&used.place.source));
         let in_cut_off: BTreeSet<FrameId> = in_cut_off.map(|used| used.frame.canonical()).collect();
+        let by_launch = components.get(main).map(|main| connected_by_launch(world, main));
+        let by_launch = by_launch.unwrap_or_default();
         for (index, orphan) in components.iter().enumerate() {
             let Some(connected) = components.get(main).filter(|_| index != main) else {
                 continue;
             };
-            if is_connected_by_launch(world, orphan, connected) {
+            if !orphan.members.is_disjoint(&by_launch) && !is_recorded(world, orphan) {
                 let trees = Measured::count("separate trees with those of launch files", 1).limit(1.0);
                 let root = orphan.roots.first().or(orphan.members.first());
                 out.pass(format!("subtree `{}`", root.map_or("?", FrameId::as_str)), [trees]);
@@ -85,23 +87,28 @@ impl Rule for OrphanSubtree {
     }
 }
 
-/// Whether what launch files and scripts publish connects a tree with the main one. A recorded tree has the transforms of its time.
-fn is_connected_by_launch(world: &World, orphan: &Component, main: &Component) -> bool {
-    let (graph, whole) = (world.graph(), world.whole());
-    let mut recorded = orphan.members.iter().flat_map(|frame| graph.edges_to(frame));
-    let is_recorded = recorded.any(|edge| edge.claim(world).is_none());
-    !is_recorded
-        && whole
-            .components()
-            .iter()
-            .any(|all| !all.members.is_disjoint(&orphan.members) && !all.members.is_disjoint(&main.members))
+/// The frames that the main tree reaches with what launch files and scripts publish; none if they publish nothing.
+fn connected_by_launch(world: &World, main: &Component) -> BTreeSet<FrameId> {
+    if !world.claims.iter().any(Claim::is_published) {
+        return BTreeSet::new();
+    }
+    let all = world.whole().components().into_iter();
+    let with_main = all.filter(|all| !all.members.is_disjoint(&main.members));
+    with_main.flat_map(|all| all.members).collect()
+}
+
+/// Whether a tree is recorded: it has the transforms of its time.
+fn is_recorded(world: &World, tree: &Component) -> bool {
+    let mut edges = tree.members.iter().flat_map(|frame| world.graph().edges_to(frame));
+    edges.any(|edge| edge.claim(world).is_none())
 }
 
 /// Trees that only launch files and scripts publish, beside a robot whose tree they publish, too.
 fn judge_launched(world: &World, out: &mut Judge) {
     let is_open = world.publishers.iter().any(|publisher| publisher.unread.is_some());
     let is_part = world.robots.iter().any(|robot| robot.fragment.is_some());
-    if world.robots.is_empty() || is_open || is_part {
+    let is_published = world.claims.iter().any(Claim::is_published);
+    if world.robots.is_empty() || is_open || is_part || !is_published {
         return;
     }
     let (graph, whole) = (world.graph(), world.whole());
