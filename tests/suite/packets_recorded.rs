@@ -1,6 +1,7 @@
 //! Recorded packets of real lidars, compared with what another decoder made of them.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(clippy::cast_possible_truncation)] // coordinates are float32, cells small
 
 use std::collections::HashMap;
 use std::fs;
@@ -23,7 +24,7 @@ type Point = [f32; 3];
 #[derive(Default)]
 struct Points {
     decoders: Vec<Decoder>,
-    points: Vec<Point>,
+    seen: Vec<Point>,
     models: Vec<&'static str>,
 }
 
@@ -48,7 +49,7 @@ impl Visit for Points {
         let cloud = decoded.cloud;
         let axes = ["x", "y", "z"].map(|name| cloud.column(name).unwrap());
         let point = |number| axes.map(|axis| axis.of(cloud.point(0, number).unwrap()).unwrap() as f32);
-        self.points.extend((0..cloud.width).map(point));
+        self.seen.extend((0..cloud.width).map(point));
     }
 
     fn seam(&mut self) {}
@@ -124,7 +125,7 @@ fn points_are_those_of_another_decoder() {
             read.models
         );
         let references = reference(&cloud);
-        let (off_m, alone) = farthest(&references, &read.points);
+        let (off_m, alone) = farthest(&references, &read.seen);
         assert!(
             alone == 0 && off_m < 0.002,
             "{name}: {off_m} m, {alone} of {} have no point",

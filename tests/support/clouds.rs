@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::drive::lidar::{Beams, Ray, Scanner};
 use super::drive::scene::Surroundings;
 use super::encode::Field;
-use super::packets::{SEQUENCE_NS, SEQUENCES, Scan, Shot};
+use super::packets::{PACKET_NS, SEQUENCES, Scan, Shot};
 
 /// A lidar of a recipe's drive.
 #[derive(Clone, Debug, Deserialize)]
@@ -421,12 +421,15 @@ impl Lidar {
         let each = (75 * SEQUENCES) / columns;
         let scan = Scan {
             sequences: each * columns / SEQUENCES * SEQUENCES,
-            start_ns: stamp_ns - 75 * SEQUENCES as i64 * SEQUENCE_NS,
+            start_ns: stamp_ns - 75 * PACKET_NS,
             backwards: self.times == Times::Reversed,
         };
-        let sequence = |column: u32| match self.mirrored != self.swapped {
-            true => columns - 1 - column as usize,
-            false => column as usize,
+        let sequence = |column: u32| {
+            if self.mirrored == self.swapped {
+                column as usize
+            } else {
+                columns - 1 - column as usize
+            }
         };
         let shots = told.iter().filter_map(|(_, column, _, place)| {
             Some(Shot {

@@ -9,6 +9,8 @@ use nalgebra::Vector3;
 pub const SEQUENCE_NS: i64 = 55_296;
 /// Firing sequences of a packet.
 pub const SEQUENCES: usize = 24;
+/// From one packet to the next, nanoseconds.
+pub const PACKET_NS: i64 = 24 * SEQUENCE_NS;
 /// Bytes of a packet.
 pub const BYTES: usize = 1206;
 /// Strongest return, VLP-16.
@@ -43,7 +45,7 @@ impl Scan {
         let zero_deg = shots
             .first()
             .map_or(0.0, |shot| azimuth_deg(&shot.place) - step_deg * shot.sequence as f64);
-        let at_ns = |packet: usize| self.start_ns + (packet * SEQUENCES) as i64 * SEQUENCE_NS;
+        let at_ns = |packet: usize| self.start_ns + i64::try_from(packet).unwrap() * PACKET_NS;
         let mut packets: Vec<(i64, Vec<u8>)> = (0..count)
             .map(|packet| {
                 let mut bytes = Vec::with_capacity(BYTES);
@@ -80,7 +82,7 @@ fn azimuth_deg(place: &Vector3<f64>) -> f64 {
 
 /// The laser of an elevation, by its sine: even numbers are below the horizon from 15 degrees down, odd ones above it from 1 degree up.
 fn laser(sine: f64) -> usize {
-    let row = (sine.asin().to_degrees() + 15.0) / 2.0;
+    let row = f64::midpoint(sine.asin().to_degrees(), 15.0);
     assert!((row - row.round()).abs() < 1e-3, "no laser of a VLP-16 is at row {row}");
     let row = row.round() as usize;
     if row < 8 { 2 * row } else { 2 * (row - 8) + 1 }

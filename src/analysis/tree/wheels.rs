@@ -5,7 +5,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::robot::{Joint, Link, Shape};
+use crate::world::robot::{Joint, Link, NumberList, Shape};
 use crate::world::{FrameId, World};
 
 /// Parts of names of wheels.
@@ -77,7 +77,7 @@ fn wheel<'w>(link: &'w Link, joint: &Joint, footprint_from_link: &Isometry3<f64>
     let turns_about = joint
         .axis
         .as_ref()
-        .and_then(|axis| axis.array::<3>())
+        .and_then(NumberList::array::<3>)
         .map_or_else(Vector3::x, Vector3::from);
     let spin = (joint.kind.value == "continuous")
         .then(|| (footprint_from_link.rotation * turns_about).try_normalize(1e-6))

@@ -72,7 +72,7 @@ impl Known<'_> {
         }
         match side(pair, limits) {
             None if !pair.stays() => {
-                out.not_applicable(subject, "moving joints above them: where they are depends on these")
+                out.not_applicable(subject, "moving joints above them: where they are depends on these");
             }
             None => {
                 let (apart_m, sideways_m) = (leftward.norm(), leftward.y.abs());

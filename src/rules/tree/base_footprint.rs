@@ -14,12 +14,10 @@ impl Rule for BaseFootprint {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for footprint in &world.graph().frames {
+        let is_footprint = |frame: &&FrameId| frame.as_str().rsplit('/').next() == Some("base_footprint");
+        for footprint in world.graph().frames.iter().filter(is_footprint) {
             let name = footprint.as_str();
-            let (namespace, last) = name.rsplit_once('/').unwrap_or(("", name));
-            if last != "base_footprint" {
-                continue;
-            }
+            let namespace = name.rsplit_once('/').map_or("", |(namespace, _)| namespace);
             let base = FrameId::new(name.replace("base_footprint", "base_link"));
             let (mut measured, mut findings) = (Vec::new(), Vec::new());
             let by_rank = |a: &Mount, b: &Mount| a.rank(limits).total_cmp(&b.rank(limits));
@@ -36,7 +34,9 @@ impl Rule for BaseFootprint {
             } else if findings.is_empty() {
                 out.pass(subject(footprint), measured);
             }
-            findings.into_iter().for_each(|finding| out.fail(finding));
+            for finding in findings {
+                out.fail(finding);
+            }
         }
     }
 }
