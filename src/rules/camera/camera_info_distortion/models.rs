@@ -42,7 +42,7 @@ fn judge_pair(a: &Intrinsics, b: &Intrinsics, out: &mut Judge) {
         return out.pass(subject, [equal]);
     }
     let message = format!(
-        "the coefficients {} are of {}, not of {}: another calibration has the same",
+        "the coefficients {} are of {}, not of {}, by another calibration",
         wrong.whose,
         model(right),
         model(wrong)
