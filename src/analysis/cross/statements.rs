@@ -180,11 +180,9 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparison>
         (Rank::File, Rank::File) if is_launched(world, a) && is_launched(world, b) => None,
         (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparison::Same),
         (Rank::File, Rank::File) => {
-            let folder = |id: SourceId| {
-                let dir = Path::new(world.path(id)).parent()?;
-                Some(packages::whole_of(dir, Path::new("")))
-            };
-            if folder(a.place.source) != folder(b.place.source) {
+            let folder = |one: &Statement| Path::new(world.path(one.place.source)).parent();
+            let whole = |one: &Statement| Some(packages::whole_of(folder(one)?, Path::new("")));
+            if folder(a) != folder(b) && whole(a) != whole(b) {
                 return None;
             }
             Some(if last(a) == last(b) {
