@@ -237,15 +237,20 @@ impl Visit for Collector {
     }
 }
 
+/// What a channel says of its messages before the first one.
+pub fn format_of(channel: &Channel) -> Format<'_> {
+    Format {
+        topic: &channel.topic,
+        message_type: &channel.message_type,
+        message_encoding: &channel.message_encoding,
+        schema: &channel.schema,
+        schema_encoding: &channel.schema_encoding,
+    }
+}
+
 impl Collector {
     fn topic(&mut self, channel: &Channel) -> Option<ChannelState> {
-        let format = Format {
-            topic: &channel.topic,
-            message_type: &channel.message_type,
-            message_encoding: &channel.message_encoding,
-            schema: &channel.schema,
-            schema_encoding: &channel.schema_encoding,
-        };
+        let format = format_of(channel);
         let decoder = self.decoders.of(&format, &channel.schema);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {

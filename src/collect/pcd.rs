@@ -12,12 +12,12 @@ use crate::read::messages::content::Body;
 use crate::read::messages::decoder::Decoder;
 use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
-use crate::read::messages::format::Format;
 use crate::source::{ReadStatus, Source, SourceId, SourceKind};
 use crate::world::cloud::RING_FIELDS;
 
 use super::content::cloud::is_return;
 use super::content::times::time_of;
+use super::format_of;
 
 /// Bound on the topics whose clouds are looked at.
 const MAX_TOPICS: usize = 1000;
@@ -97,13 +97,7 @@ struct FirstClouds<'a> {
 
 impl Visit for FirstClouds<'_> {
     fn channel(&mut self, channel: &Channel) {
-        let format = Format {
-            topic: &channel.topic,
-            message_type: &channel.message_type,
-            message_encoding: &channel.message_encoding,
-            schema: &channel.schema,
-            schema_encoding: &channel.schema_encoding,
-        };
+        let format = format_of(channel);
         let is_wanted = self.topic.is_none_or(|topic| topic == channel.topic);
         let decoder = is_wanted.then(|| self.decoders.of(&format, &channel.schema));
         self.channels.push(decoder);

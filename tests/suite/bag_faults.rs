@@ -349,6 +349,27 @@ fn faults() -> Vec<Fault> {
     ]
 }
 
+/// A fault: its name, what is written in place of what, and every finding: rule, severity, topic of its primary place, relation.
+pub(crate) type DriveFault = (&'static str, [&'static str; 2], &'static [&'static str]);
+
+/// Every fault, put into a healthy recipe alone, gives just its findings.
+pub(crate) fn each_is_found(healthy: &str, faults: &[DriveFault]) {
+    let mut wrong = Vec::new();
+    for (name, [from, to], expected) in faults {
+        assert_eq!(
+            healthy.matches(from).count(),
+            1,
+            "{name}: `{from}` stands once in the recipe"
+        );
+        let (_folder, run) = check(&healthy.replace(from, to), false);
+        let found: Vec<String> = run.verdict.findings.iter().map(describe).collect();
+        if found != *expected {
+            wrong.push(format!("{name}: found {found:?}, expected {expected:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 pub(crate) fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
     let folder = tempfile::tempdir().unwrap();
     support::write(recipe, &folder.path().join("drive.mcap"));

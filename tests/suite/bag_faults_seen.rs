@@ -1,7 +1,7 @@
 //! The same for what shows only in what sensors measure: one healthy drive of a car, and the faults that people suffer from, one at a
 //! time: each is found by the rule it belongs to, and by no other than those named here. The healthy one is silent.
 
-use crate::bag_faults::{check, describe};
+use crate::bag_faults::{DriveFault, check, describe, each_is_found};
 use frames_lint::run::FailOn;
 
 /// Half a minute in streets: odometry, fixes, an inertial sensor, and a lidar on the roof.
@@ -25,10 +25,7 @@ topics:
   - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: velodyne, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30], lidar: {driver: velodyne, table: vlp16, beams: 16, columns: 360}}
 ";
 
-/// A fault: its name, what is written in place of what, and every finding: rule, severity, topic of its primary place, relation.
-type Fault = (&'static str, [&'static str; 2], &'static [&'static str]);
-
-const FAULTS: &[Fault] = &[
+const FAULTS: &[DriveFault] = &[
     (
         "gravity -9.81: the accelerometer of a NED convention",
         [
@@ -78,20 +75,7 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_a_drive_is_found_by_its_rule_and_by_no_other() {
-    let mut wrong = Vec::new();
-    for (name, [from, to], expected) in FAULTS {
-        assert_eq!(
-            HEALTHY.matches(from).count(),
-            1,
-            "{name}: `{from}` stands once in the recipe"
-        );
-        let (_folder, run) = check(&HEALTHY.replace(from, to), false);
-        let found: Vec<String> = run.verdict.findings.iter().map(describe).collect();
-        if found != *expected {
-            wrong.push(format!("{name}: found {found:?}, expected {expected:?}"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    each_is_found(HEALTHY, FAULTS);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Drives of a car whose lidar is recorded as packets: the faults that people suffer from are named by the rules that name them for clouds of
 //! its driver (`bag_faults_seen`), and by no other. The healthy one is silent.
 
-use crate::bag_faults::{check, describe};
+use crate::bag_faults::{DriveFault, check, describe, each_is_found};
 use frames_lint::run::FailOn;
 
 /// Half a minute in streets: odometry, an inertial sensor, and the packets of a lidar on the roof.
@@ -23,10 +23,7 @@ topics:
   - {topic: /velodyne_packets, from_drive: lidar, rate_hz: 10, frame_id: velodyne, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30], lidar: {driver: velodyne_packets, table: vlp16, columns: 360}}
 ";
 
-/// A fault: its name, what is written in place of what, and every finding: rule, severity, topic of its primary place, relation.
-type Fault = (&'static str, [&'static str; 2], &'static [&'static str]);
-
-const FAULTS: &[Fault] = &[
+const FAULTS: &[DriveFault] = &[
     (
         "the lidar mounted upside down",
         [
@@ -65,20 +62,7 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_packets_is_found_by_the_rule_for_clouds() {
-    let mut wrong = Vec::new();
-    for (name, [from, to], expected) in FAULTS {
-        assert_eq!(
-            HEALTHY.matches(from).count(),
-            1,
-            "{name}: `{from}` stands once in the recipe"
-        );
-        let (_folder, run) = check(&HEALTHY.replace(from, to), false);
-        let found: Vec<String> = run.verdict.findings.iter().map(describe).collect();
-        if found != *expected {
-            wrong.push(format!("{name}: found {found:?}, expected {expected:?}"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    each_is_found(HEALTHY, FAULTS);
 }
 
 #[test]

@@ -7,11 +7,11 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use frames_lint::collect::format_of;
 use frames_lint::read::bag::{self, Channel, Message, Recording, Selection, Visit};
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::Decoder;
 use frames_lint::read::messages::definition::Definitions;
-use frames_lint::read::messages::format::Format;
 use frames_lint::source::{Source, SourceId, SourceKind};
 use frames_lint::verdict::Severity;
 
@@ -30,13 +30,7 @@ struct Points {
 
 impl Visit for Points {
     fn channel(&mut self, channel: &Channel) {
-        let format = Format {
-            topic: &channel.topic,
-            message_type: &channel.message_type,
-            message_encoding: &channel.message_encoding,
-            schema: &channel.schema,
-            schema_encoding: &channel.schema_encoding,
-        };
+        let format = format_of(channel);
         self.decoders.push(Decoder::of(&format, &Definitions::builtin()));
     }
 

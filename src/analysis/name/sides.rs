@@ -147,12 +147,11 @@ impl Group {
 /// All pairs of a world: those of the frame tree by base frame, then those that files state in a base frame.
 pub(crate) fn groups(world: &World) -> Vec<Group> {
     let graph = world.graph();
-    let mut open = named(graph.frames.iter());
+    let mut open: BTreeMap<&FrameId, &FrameId> = named(graph.frames.iter()).into_iter().collect();
     let mut groups = Vec::new();
     let is_root = |frame: &FrameId| graph.edges_to(frame).next().is_none();
     let is_body = |frame: &&FrameId| is_base_of_axes(frame) && (is_root(frame) || is_standard(frame));
-    let bases = graph.frames.iter().filter(is_body);
-    for base in bases {
+    for base in graph.frames.iter().filter(is_body) {
         if open.is_empty() {
             break;
         }
@@ -174,14 +173,16 @@ pub(crate) fn groups(world: &World) -> Vec<Group> {
             })
         };
         let mut pairs = Vec::new();
-        open.retain(|(left, right)| {
-            let pair = placed(left)
-                .zip(placed(right))
-                .map(|(left, right)| Pair { left, right });
-            let is_open = pair.is_none();
-            pairs.extend(pair);
-            is_open
-        });
+        for left in reached.keys() {
+            let right = open.get(left).and_then(|right| placed(right));
+            if let Some((left_placed, right)) = right.and_then(|right| Some((placed(left)?, right))) {
+                open.remove(left);
+                pairs.push(Pair {
+                    left: left_placed,
+                    right,
+                });
+            }
+        }
         groups.push(Group {
             base: base.clone(),
             pairs,
@@ -264,8 +265,9 @@ fn named<'f>(frames: impl Iterator<Item = &'f FrameId>) -> Vec<(&'f FrameId, &'f
 }
 
 fn pairs(placed: &[Placed]) -> Vec<Pair> {
-    let of = |frame: &FrameId| placed.iter().find(|one| one.frame == *frame).cloned();
-    let pairs = named(placed.iter().map(|one| &one.frame)).into_iter();
+    let by_name: BTreeMap<&FrameId, &Placed> = placed.iter().rev().map(|one| (&one.frame, one)).collect();
+    let of = |frame: &FrameId| by_name.get(frame).map(|placed| (*placed).clone());
+    let pairs = named(by_name.keys().copied()).into_iter();
     let pairs = pairs.filter_map(|(left, right)| {
         Some(Pair {
             left: of(left)?,

@@ -2,6 +2,8 @@
 //!
 //! Must not judge.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::world::graph::{Edge, EdgeOrigin};
@@ -52,15 +54,18 @@ pub(crate) fn standing<'w>(world: &'w World, footprint: &FrameId, same_m: f64) -
 
 fn wheels<'w>(world: &'w World, footprint: &FrameId) -> Vec<Wheel<'w>> {
     let is_usable = |edge: &Edge| edge.is_rigid || matches!(edge.origin, EdgeOrigin::Joint(_));
-    let poses = world.graph().reach(footprint, is_usable);
+    let poses: BTreeMap<&FrameId, Isometry3<f64>> = world.graph().reach(footprint, is_usable).into_iter().collect();
     let mut wheels = Vec::new();
     for robot in &world.robots {
+        // Of several joints to one link, the first counts.
+        let joints = robot.joints.iter().rev();
+        let joints: BTreeMap<&str, &Joint> = joints
+            .filter_map(|joint| Some((joint.child.as_ref()?.value.as_str(), joint)))
+            .collect();
         for link in &robot.links {
             let name = FrameId::new(link.name.value.as_str()).canonical();
-            let mut joints = robot.joints.iter();
-            let joint = joints.find(|joint| joint.child.as_ref().is_some_and(|child| child.value == link.name.value));
-            let pose = poses.iter().find(|(frame, _)| **frame == name);
-            if let (Some((_, pose)), Some(joint)) = (pose, joint) {
+            let joint = joints.get(link.name.value.as_str());
+            if let (Some(pose), Some(joint)) = (poses.get(&name), joint) {
                 wheels.extend(wheel(link, joint, pose));
             }
         }

@@ -2,8 +2,11 @@
 
 mod findings;
 
+use std::collections::BTreeMap;
+
 use crate::analysis::name::sides::{Group, Pair, groups};
 use crate::rules::prelude::*;
+use findings::Turning;
 
 pub(crate) struct LeftRight;
 
@@ -29,6 +32,7 @@ impl Rule for LeftRight {
             };
             let known = Known {
                 group: &group,
+                turning: Turning::by_kind(&group.pairs),
                 mirrored: group.pairs.iter().filter(mirrored).count(),
                 as_named: on(true),
                 exchanged: on(false),
@@ -48,9 +52,15 @@ fn side(pair: &Pair, limits: &Limits) -> Option<bool> {
     is_beside.then_some(leftward.y > 0.0)
 }
 
+fn subject(pair: &Pair) -> String {
+    format!("sides of `{}` and `{}`", pair.left.frame, pair.right.frame)
+}
+
 /// What is known of all pairs of a platform.
 struct Known<'g> {
     group: &'g Group,
+    /// The joints, by the words that pairs of one kind share.
+    turning: BTreeMap<Vec<String>, Turning>,
     /// Pairs that are mirror images.
     mirrored: usize,
     /// Pairs that are on the sides that their names say.
@@ -63,8 +73,7 @@ struct Known<'g> {
 impl Known<'_> {
     fn judge(&self, pair: &Pair, out: &mut Judge) {
         let limits = self.limits;
-        let (left, right) = (&pair.left.frame, &pair.right.frame);
-        let subject = format!("sides of `{left}` and `{right}`");
+        let subject = subject(pair);
         let leftward = pair.leftward();
         let apart = Measured::new("distance of the left one to the left", leftward.y, "m").at_least(limits.min_apart_m);
         if let Some(finding) = self.negated(pair).or_else(|| self.turns_otherwise(pair)) {
@@ -95,7 +104,7 @@ impl Known<'_> {
             Some(false) if self.as_named == 0 && !self.group.is_of_whole_platform() => {
                 out.missing(subject, "no other pair shows where left is");
             }
-            Some(false) => out.fail(self.on_other_sides(pair, subject).measured(apart)),
+            Some(false) => out.fail(self.on_other_sides(pair).measured(apart)),
             Some(true) => out.pass(subject, [apart]),
         }
     }

@@ -8,27 +8,25 @@ use super::is_fisheye;
 
 /// Compares the models of calibrations with equal coefficients: those of a fisheye mean angles, the others tangents.
 pub(super) fn judge(world: &World, out: &mut Judge) {
-    let usable = |camera: &Intrinsics| camera.calibration.d.iter().take(4).any(|value| *value != 0.0);
-    let mut cameras: Vec<Intrinsics> = Intrinsics::all(world).filter(usable).collect();
-    let key = |camera: &Intrinsics| -> Vec<f64> {
-        let mut key = camera.calibration.d.clone();
-        while key.last() == Some(&0.0) {
-            key.pop();
+    let usable = |camera: &Intrinsics| {
+        let d = &camera.calibration.d;
+        d.iter().take(4).any(|value| *value != 0.0) && d.iter().all(|value| !value.is_nan())
+    };
+    // By the bits of the coefficients, without zeros at the end.
+    let key = |camera: &Intrinsics| -> Vec<u64> {
+        let d = camera.calibration.d.as_slice();
+        let end = d.iter().rposition(|value| *value != 0.0).map_or(0, |last| last + 1);
+        d.iter().take(end).map(|value| (value + 0.0).to_bits()).collect()
+    };
+    let mut cameras: Vec<(Vec<u64>, Intrinsics)> = Intrinsics::all(world)
+        .filter(usable)
+        .map(|camera| (key(&camera), camera))
+        .collect();
+    cameras.sort_by(|(a, _), (b, _)| a.cmp(b));
+    for ((a, one), (b, other)) in cameras.iter().zip(cameras.iter().skip(1)) {
+        if a == b {
+            judge_pair(one, other, out);
         }
-        key
-    };
-    let order = |a: &[f64], b: &[f64]| {
-        a.iter()
-            .map(|value| value.to_bits())
-            .cmp(b.iter().map(|value| value.to_bits()))
-    };
-    cameras.sort_by(|a, b| order(&key(a), &key(b)));
-    for (a, b) in cameras
-        .iter()
-        .zip(cameras.iter().skip(1))
-        .filter(|(a, b)| key(a) == key(b))
-    {
-        judge_pair(a, b, out);
     }
 }
 
