@@ -6,6 +6,7 @@ pub(crate) mod blame;
 pub(crate) mod common_motion;
 pub(crate) mod direction;
 pub(crate) mod exact;
+pub(crate) mod exchange;
 pub(crate) mod fit;
 pub(crate) mod fold;
 pub(crate) mod halves;

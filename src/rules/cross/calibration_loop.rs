@@ -276,6 +276,9 @@ impl Loop<'_> {
         finding = culprits.iter().fold(finding, |finding, (culprit, _)| {
             finding.unless_about(codes::CROSS02, culprit.who.clone())
         });
+        for (_, one) in &self.edges {
+            finding = finding.unless_about(codes::CROSS02, format!("{} has the transform of ", one.who));
+        }
         for frame in self.frames {
             finding = finding.unless_about(codes::CROSS07, format!("`{frame}` has the transform of the robot's `"));
         }

@@ -5,6 +5,7 @@ use nalgebra::Isometry3;
 use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Limits, SharedRelations, off_axes_deg};
+use crate::analysis::cross::exchange::exchanged;
 use crate::analysis::cross::notation::KeyNotations;
 use crate::analysis::cross::pair::{Direction, Pair, Statement, TURNED};
 use crate::analysis::cross::statements::pairs;
@@ -35,13 +36,46 @@ impl Rule for ExtrinsicRelation {
             }
             blamed.push((subject, pair, found));
         }
-        for (subject, pair, found) in blamed {
+        let within = [limits.exact_deg.to_radians(), limits.exact_m];
+        let exchanged = exchanged(blamed.iter().map(|(_, pair, _)| pair), within);
+        for (index, (subject, pair, found)) in blamed.iter().enumerate() {
+            if let Some((with, (_, other, _))) = exchanged.get(&index).and_then(|at| Some((at, blamed.get(*at)?))) {
+                // One finding for both.
+                if index < *with {
+                    out.fail(exchange(subject, pair, other, found));
+                }
+                continue;
+            }
             let is_sure = found.error().is_some_and(|relation| {
-                limits.fits(&pair.reference.pose, &found) || alike.count(&pair, relation) >= limits.min_sensors
+                limits.fits(&pair.reference.pose, found) || alike.count(pair, relation) >= limits.min_sensors
             });
-            judge_pair(world, subject, &pair, &found, is_sure, limits, out);
+            judge_pair(world, subject.clone(), pair, found, is_sure, limits, out);
         }
     }
+}
+
+/// The finding of two transforms of one source that each have the numbers of the other.
+fn exchange(subject: &str, pair: &Pair, with: &Pair, found: &Classification) -> Finding {
+    let [a, b] = [pair, with].map(|one| one.other.who.replace(TURNED, ""));
+    let [right_a, right_b] = [pair, with].map(|one| one.reference.who.replace(TURNED, ""));
+    let mut detail = format!("{a} has the transform of {right_b}, and {b} has the transform of {right_a}.");
+    if found.class.contains(&Relation::MirroredY) {
+        detail = format!("{detail} Or both are mirrored left to right (y, roll and yaw negated).");
+    }
+    let message = format!("the transforms of {a} and {b} are exchanged");
+    let finding = Finding::error(subject, message, pair.other.place.clone())
+        .likely()
+        .relation("exchanged")
+        .detail(detail)
+        .help(format!(
+            "exchange the numbers of {a} and {b}; if {right_a} and {right_b} are exchanged instead, correct these"
+        ))
+        .measured(Measured::new("rotation difference", found.angle_rad.to_degrees(), "deg").turn())
+        .measured(Measured::new("translation difference", found.distance_m, "m"));
+    pair.point_at_all(finding)
+        .confidence(with.reading())
+        .related(with.other.place.clone(), format!("stated by {b}"))
+        .related(with.reference.place.clone(), format!("stated by {right_b}"))
 }
 
 fn judge_pair(
