@@ -21,10 +21,12 @@ macro_rules! fault {
 
 mod cameras;
 mod clouds;
+mod delays;
 mod literals;
 pub mod motion;
 mod mountings;
 mod restate;
+mod sides;
 mod sized;
 mod statements;
 mod subject;
@@ -224,8 +226,10 @@ pub fn catalogue() -> impl Iterator<Item = &'static Fault> {
         statements::FAULTS,
         literals::FAULTS,
         mountings::FAULTS,
+        sides::FAULTS,
         clouds::FAULTS,
         cameras::FAULTS,
+        delays::FAULTS,
         tree::FAULTS,
     ];
     tables.into_iter().chain(motion::tables()).flatten()

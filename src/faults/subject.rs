@@ -41,6 +41,8 @@ pub enum SubjectPlace {
     Origin(usize),
     /// The camera with this number, that a file describes.
     Camera(usize),
+    /// The time offset of a camera with this number, that a file states.
+    Delay(usize),
     /// A frame of the platform.
     Frame(FrameId),
 }

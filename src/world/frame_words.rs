@@ -1,5 +1,7 @@
 //! Words in the names of frames by which a transform may move: whole tokens, never substrings.
 
+use std::collections::BTreeMap;
+
 use super::FrameId;
 
 /// Words of frames that are fixed to the world, or drift slowly against it.
@@ -34,4 +36,41 @@ pub(crate) fn is_world(frame: &FrameId) -> bool {
 /// Whether the name is that of a part that is meant to move.
 pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
     has_word(frame, MOVING)
+}
+
+/// Words for a left part, with those for the right one: alone, or of corners and of limbs (front left, left hind).
+pub(crate) const SIDES: &[[&str; 2]] = &[
+    ["left", "right"],
+    ["l", "r"],
+    ["fl", "fr"],
+    ["ml", "mr"],
+    ["rl", "rr"],
+    ["bl", "br"],
+    ["hl", "hr"],
+    ["lf", "rf"],
+    ["lm", "rm"],
+    ["lr", "rr"],
+    ["lb", "rb"],
+    ["lh", "rh"],
+];
+
+/// The pairs among frames whose names differ in a word for left and right, the left one first.
+pub(crate) fn pairs_of_sides<'f>(frames: impl Iterator<Item = &'f FrameId>) -> Vec<(&'f FrameId, &'f FrameId)> {
+    let by_words: BTreeMap<Vec<String>, &FrameId> = frames.map(|frame| (frame.tokens(), frame)).collect();
+    let counterpart = |words: &[String]| {
+        let sides = words.iter().enumerate().flat_map(|(at, word)| {
+            let of_word = SIDES.iter().filter(move |[left, _]| left == word);
+            of_word.map(move |[_, right]| (at, *right))
+        });
+        let mut found = sides.filter_map(|(at, right)| {
+            let mut other = words.to_vec();
+            right.clone_into(other.get_mut(at)?);
+            by_words.get(&other).copied()
+        });
+        found.next()
+    };
+    let pairs = by_words.iter();
+    pairs
+        .filter_map(|(words, left)| Some((*left, counterpart(words)?)))
+        .collect()
 }

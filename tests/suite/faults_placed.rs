@@ -12,6 +12,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use frames_lint::engine::{self, Options, Rules};
@@ -203,16 +204,21 @@ topics:
         fs::write(folder.path().join("rover.urdf"), self.urdf()).unwrap();
         fs::write(folder.path().join("calibration.yaml"), self.calibration()).unwrap();
         support::write(&self.recipe(), &folder.path().join("drive.mcap"));
-        let run = engine::collect(&Options {
-            paths: vec![folder.path().to_path_buf()],
-            ..Options::default()
-        });
-        let mut run = run.unwrap();
-        assert_eq!(run.worlds.len(), 1, "one platform");
-        let mut world = run.worlds.remove(0);
-        world.sources = Arc::new(run.sources);
-        world
+        platform(folder.path())
     }
+}
+
+/// The one platform of a folder.
+pub(crate) fn platform(folder: &Path) -> World {
+    let run = engine::collect(&Options {
+        paths: vec![folder.to_owned()],
+        ..Options::default()
+    });
+    let mut run = run.unwrap();
+    assert_eq!(run.worlds.len(), 1, "one platform");
+    let mut world = run.worlds.remove(0);
+    world.sources = Arc::new(run.sources);
+    world
 }
 
 fn joint(name: &str, parent: &str, child: &str, origin: &str) -> String {

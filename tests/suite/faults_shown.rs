@@ -3,15 +3,18 @@
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
 
 use frames_lint::assure::{TrialOutcome, assure};
 use frames_lint::engine::Rules;
 use frames_lint::faults::{Selection, catalogue};
 use frames_lint::progress::Progress;
 use frames_lint::rules::RULES;
+use frames_lint::world::World;
 
 use crate::faults_motion::{DRIVE, collected};
-use crate::faults_placed::Platform;
+use crate::faults_placed::{Platform, platform};
 
 /// What these drives do not show, and why: of each the rules say so themselves.
 const UNSHOWN: &[(&str, &str)] = &[
@@ -49,6 +52,29 @@ fn the_rules_that_should_see_a_mistake_exist() {
     }
 }
 
+/// A platform with left and right parts, and with a camera whose delay two files state.
+fn with_sides() -> World {
+    let folder = tempfile::tempdir().unwrap();
+    let mut urdf = "<robot name=\"rover\">\n<link name=\"base_link\"/>\n".to_owned();
+    for (part, xyz) in [
+        ("front_left_bumper", "0.5 0.3 0.2"),
+        ("front_right_bumper", "0.5 -0.3 0.2"),
+        ("rear_left_bumper", "-0.5 0.3 0.2"),
+        ("rear_right_bumper", "-0.5 -0.3 0.2"),
+    ] {
+        let _ = writeln!(
+            urdf,
+            "<link name=\"{part}\"/>\n<joint name=\"{part}_joint\" type=\"fixed\">\
+             <parent link=\"base_link\"/><child link=\"{part}\"/><origin xyz=\"{xyz}\"/></joint>"
+        );
+    }
+    fs::write(folder.path().join("rover.urdf"), urdf + "</robot>\n").unwrap();
+    let kalibr = "cam0:\n  camera_model: pinhole\n  timeshift_cam_imu: 0.0187\n";
+    fs::write(folder.path().join("camchain-imucam.yaml"), kalibr).unwrap();
+    fs::write(folder.path().join("vins.yaml"), "imu: 1\nestimate_td: 0\ntd: 0.0187\n").unwrap();
+    platform(folder.path())
+}
+
 #[test]
 fn every_mistake_is_shown_by_some_rule() {
     let rules = Rules::select(&[]).unwrap();
@@ -60,6 +86,7 @@ fn every_mistake_is_shown_by_some_rule() {
         collected(DRIVE, None),
         collected(&DRIVE.replace("vehicle: car", "vehicle: drone"), None),
         Platform::healthy(30).world(),
+        with_sides(),
     ];
     let mut best: BTreeMap<&str, (TrialOutcome, String)> = BTreeMap::new();
     for world in &worlds {

@@ -8,24 +8,9 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::analysis::{names, places};
 use crate::source::Place;
+use crate::world::frame_words::{SIDES, pairs_of_sides};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{FrameId, World};
-
-/// Words for a left part, with those for the right one: alone, or of corners and of limbs (front left, left hind).
-const SIDES: &[[&str; 2]] = &[
-    ["left", "right"],
-    ["l", "r"],
-    ["fl", "fr"],
-    ["ml", "mr"],
-    ["rl", "rr"],
-    ["bl", "br"],
-    ["hl", "hr"],
-    ["lf", "rf"],
-    ["lm", "rm"],
-    ["lr", "rr"],
-    ["lb", "rb"],
-    ["lh", "rh"],
-];
 
 /// A frame in the base of its platform.
 #[derive(Clone)]
@@ -147,7 +132,7 @@ impl Group {
 /// All pairs of a world: those of the frame tree by base frame, then those that files state in a base frame.
 pub(crate) fn groups(world: &World) -> Vec<Group> {
     let graph = world.graph();
-    let mut open: BTreeMap<&FrameId, &FrameId> = named(graph.frames.iter()).into_iter().collect();
+    let mut open: BTreeMap<&FrameId, &FrameId> = pairs_of_sides(graph.frames.iter()).into_iter().collect();
     let mut groups = Vec::new();
     let is_root = |frame: &FrameId| graph.edges_to(frame).next().is_none();
     let is_body = |frame: &&FrameId| is_base_of_axes(frame) && (is_root(frame) || is_standard(frame));
@@ -243,31 +228,10 @@ fn is_standard(frame: &FrameId) -> bool {
     matches!(names::standard(frame), Some((_, names::Standard::Base)))
 }
 
-/// The pairs among frames, by their names.
-fn named<'f>(frames: impl Iterator<Item = &'f FrameId>) -> Vec<(&'f FrameId, &'f FrameId)> {
-    let by_words: BTreeMap<Vec<String>, &FrameId> = frames.map(|frame| (frame.tokens(), frame)).collect();
-    let counterpart = |words: &[String]| {
-        let sides = words.iter().enumerate().flat_map(|(at, word)| {
-            let of_word = SIDES.iter().filter(move |[left, _]| left == word);
-            of_word.map(move |[_, right]| (at, *right))
-        });
-        let mut found = sides.filter_map(|(at, right)| {
-            let mut other = words.to_vec();
-            right.clone_into(other.get_mut(at)?);
-            by_words.get(&other).copied()
-        });
-        found.next()
-    };
-    let pairs = by_words.iter();
-    pairs
-        .filter_map(|(words, left)| Some((*left, counterpart(words)?)))
-        .collect()
-}
-
 fn pairs(placed: &[Placed]) -> Vec<Pair> {
     let by_name: BTreeMap<&FrameId, &Placed> = placed.iter().rev().map(|one| (&one.frame, one)).collect();
     let of = |frame: &FrameId| by_name.get(frame).map(|placed| (*placed).clone());
-    let pairs = named(by_name.keys().copied()).into_iter();
+    let pairs = pairs_of_sides(by_name.keys().copied()).into_iter();
     let pairs = pairs.filter_map(|(left, right)| {
         Some(Pair {
             left: of(left)?,
