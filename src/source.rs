@@ -59,6 +59,8 @@ pub enum SourceKind {
     Sqlite,
     /// A rosbag2 folder: `metadata.yaml` and the files that it names.
     Rosbag2,
+    /// A capture of a network, with the packets of lidars: pcap or pcapng.
+    Pcap,
     /// The configuration of frames-lint itself.
     Configuration,
     /// A file named by the user, or known by its name, that no reader handles.
@@ -82,6 +84,7 @@ impl SourceKind {
             Self::Rosbag1 => "rosbag1",
             Self::Sqlite => "sqlite",
             Self::Rosbag2 => "rosbag2",
+            Self::Pcap => "pcap",
             Self::Configuration => "configuration",
             Self::Unsupported => "unsupported",
         }
@@ -89,7 +92,10 @@ impl SourceKind {
 
     /// Whether a source of this kind is a recording.
     pub fn is_bag(self) -> bool {
-        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Rosbag2)
+        matches!(
+            self,
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Rosbag2 | Self::Pcap
+        )
     }
 }
 

@@ -39,6 +39,10 @@ const SENSOR_TYPES: &[&str] = &[
     "VelodyneScan",
     "PandarScan",
     "NebulaPackets",
+    "VelodynePacket",
+    "PandarPacket",
+    "NebulaPacket",
+    "UdpPacket",
     "RadarScan",
     "CustomMsg",
     // Foxglove's.

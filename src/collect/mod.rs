@@ -23,13 +23,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Selection, Visit};
+use crate::read::bag::{Channel, Extent, Message, Progress, Recording, Sampling, Selection, Visit};
 use crate::read::calibration::ouster::may_be_ouster;
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::Decoder;
 use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::read::messages::format::Format;
+use crate::read::messages::header::Header;
+use crate::read::scans;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
@@ -103,7 +105,13 @@ pub fn collect(path: &Path, how: &CollectOptions, source: &mut Source, progress:
         path,
         parts: &how.parts,
     };
-    let extent = bag::read(&recording, &wanted, source, progress, &mut collector);
+    let extent = scans::read(
+        &recording,
+        &wanted,
+        &how.definitions,
+        (source, progress),
+        &mut collector,
+    );
     collector.finish(source, &extent)
 }
 
@@ -124,6 +132,10 @@ fn is_matched(channel: &Channel) -> bool {
             | "VelodyneScan"
             | "PandarScan"
             | "NebulaPackets"
+            | "VelodynePacket"
+            | "PandarPacket"
+            | "NebulaPacket"
+            | "UdpPacket"
     )
 }
 
@@ -195,7 +207,14 @@ impl Visit for Collector {
             Err(error) => return topic.malformed(point, error),
         };
         let has_header = header.is_some();
-        let point = header.map_or(point, |header| topic.stamped(point, &header));
+        // A capture states no frame, and most single packets neither: that they are without one is no fault.
+        let states_none = |header: &Header<'_>| {
+            header.frame_id.is_empty() && matches!(&body, Body::Packets(scan) if scan.is_assembled())
+        };
+        let point = header.map_or(point, |header| {
+            let is_frameless = states_none(&header);
+            topic.stamped(point, &header, is_frameless)
+        });
         match body {
             // No buffer of tf2 listens to a single transform on a topic of its own: its frames are names, not TF.
             Body::Transforms(transforms) if has_header => {

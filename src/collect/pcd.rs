@@ -6,12 +6,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::read::bag::{self, Channel, Message, Progress, Recording, Sampling, Selection, Visit};
+use crate::read::bag::{Channel, Message, Progress, Recording, Sampling, Selection, Visit};
 use crate::read::messages::cloud::{Cloud, Column};
 use crate::read::messages::content::Body;
 use crate::read::messages::decoder::Decoder;
 use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
+use crate::read::scans;
 use crate::source::{ReadStatus, Source, SourceId, SourceKind};
 use crate::world::cloud::RING_FIELDS;
 
@@ -56,7 +57,7 @@ pub fn pcd(
             sampling,
             ..Selection::ALL
         };
-        bag::read(recording, &wanted, &mut source, progress, &mut first);
+        scans::read(recording, &wanted, definitions, (&mut source, progress), &mut first);
         let mut found = first.found.into_iter();
         match (found.next(), found.next()) {
             (Some((topic, Some(Ok((bytes, count))))), None) => return Ok((bytes, topic, count)),

@@ -126,13 +126,15 @@ impl Topic {
     }
 
     /// Takes in the header of a message; gives the point with its stamp.
-    pub(super) fn stamped(&mut self, point: Point, header: &Header<'_>) -> Point {
+    pub(super) fn stamped(&mut self, point: Point, header: &Header<'_>, is_frameless: bool) -> Point {
         let point = Point {
             stamp_ns: Some(header.stamp_ns),
             ..point
         };
         self.stamps.push(point);
-        self.frames.add(&header.frame_id, point);
+        if !is_frameless {
+            self.frames.add(&header.frame_id, point);
+        }
         point
     }
 

@@ -9,15 +9,10 @@ use super::{Options, UsageError, inputs};
 /// The first cloud of the topic, or of the only topic with clouds, as a file; see [`pcd`]. The inputs must be one recording.
 pub fn cloud(options: &Options, topic: Option<&str>) -> Result<PcdFile, UsageError> {
     let inputs = inputs(options)?;
-    let kinds = [
-        SourceKind::Mcap,
-        SourceKind::Rosbag1,
-        SourceKind::Sqlite,
-        SourceKind::Rosbag2,
-    ];
-    let mut recordings = inputs.files.iter().filter(|input| kinds.contains(&input.kind));
-    let (Some(input), None) = (recordings.next(), recordings.next()) else {
-        let count = inputs.files.iter().filter(|input| kinds.contains(&input.kind)).count();
+    let recordings = || inputs.files.iter().filter(|input| input.kind.is_bag());
+    let mut all = recordings();
+    let (Some(input), None) = (all.next(), all.next()) else {
+        let count = recordings().count();
         return Err(UsageError(format!(
             "a cloud is written of one recording; {count} are given"
         )));

@@ -285,9 +285,7 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<ExtractedText>) -> Facts {
         match input.kind {
-            SourceKind::Mcap | SourceKind::Rosbag1 | SourceKind::Sqlite | SourceKind::Rosbag2 => {
-                self.read_recording(input, source, index, emerged)
-            }
+            kind if kind.is_bag() => self.read_recording(input, source, index, emerged),
             SourceKind::Unsupported => {
                 source.problem(
                     ReadStatus::Unreadable,

@@ -14,7 +14,7 @@ use crate::read::calibration::plain;
 use crate::read::{code, feather, launch, text};
 use crate::source::SourceKind;
 
-use super::bag::metadata;
+use super::bag::{Container, metadata};
 use super::input::{Input, ending};
 use super::recordings;
 
@@ -145,7 +145,8 @@ fn named_file(path: &Path, wanted: FileSelection) -> Input {
             None => {
                 input.refusal = Some(unread_format(path).map_or_else(
                     || {
-                        "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP, ROS 1 bags, rosbag2)"
+                        "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP, ROS 1 bags, rosbag2, \
+                         pcap)"
                             .to_owned()
                     },
                     str::to_owned,
@@ -301,6 +302,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "mcap" | "mcap.zstd" | "mcap.zst" => SourceKind::Mcap,
         "bag" | "bag.active" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
         "db3" | "db3.zstd" | "db3.zst" => SourceKind::Sqlite,
+        "pcap" | "pcapng" | "cap" => SourceKind::Pcap,
         _ => return None,
     })
 }
@@ -315,6 +317,9 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     }
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {
         return Some(SourceKind::Sqlite);
+    }
+    if Container::of(head) == Container::Capture {
+        return Some(SourceKind::Pcap);
     }
     let text = head_text(head);
     if path.file_name().is_some_and(|name| name == metadata::NAME)

@@ -17,6 +17,7 @@ pub mod launch;
 pub mod messages;
 pub mod packets;
 mod recordings;
+pub mod scans;
 mod syntax;
 pub mod text;
 pub mod urdf;

@@ -153,6 +153,7 @@ impl Contents {
             | Body::Description(_)
             | Body::Metadata(_)
             | Body::Frames(_)
+            | Body::Packet(_)
             | Body::Clock(_) => {}
         }
     }

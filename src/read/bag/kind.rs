@@ -4,6 +4,8 @@
 
 use crate::source::SourceKind;
 
+use super::capture;
+
 /// How many bytes decide.
 pub(super) const SNIFFED: u64 = 64;
 
@@ -16,6 +18,8 @@ pub enum Container {
     Rosbag1,
     /// An SQLite database, as rosbag2 writes (`.db3`).
     Sqlite,
+    /// A capture of a network, pcap or pcapng.
+    Capture,
     /// A file compressed with gzip.
     Gzip,
     /// A file compressed with zstd, as rosbag2 does in file mode (`.mcap.zstd`).
@@ -37,6 +41,8 @@ pub enum Container {
 impl Container {
     /// Judges the first bytes; 64 are enough.
     pub fn of(first: &[u8]) -> Self {
+        let captures = capture::PCAP.iter().chain([&capture::PCAPNG]);
+        let captures = captures.map(|magic| (magic.as_slice(), Self::Capture));
         let magics: [(&[u8], Self); 10] = [
             (::mcap::MAGIC, Self::Mcap),
             (b"#ROSBAG V", Self::Rosbag1),
@@ -54,14 +60,15 @@ impl Container {
             return Self::Empty;
         }
         magics
-            .iter()
+            .into_iter()
+            .chain(captures)
             .find(|(magic, _)| first.starts_with(magic))
-            .map_or(Self::Unknown, |(_, container)| *container)
+            .map_or(Self::Unknown, |(_, container)| container)
     }
 
     /// Whether there is a reader for it.
     pub(super) fn is_read(self) -> bool {
-        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture)
     }
 
     /// Why such a file cannot be read as the expected recording, and what to do. Files with a reader are
@@ -71,11 +78,12 @@ impl Container {
             SourceKind::Rosbag1 => "not a ROS 1 bag",
             SourceKind::Sqlite => "not a rosbag2 database",
             SourceKind::Rosbag2 => "not a recording",
+            SourceKind::Pcap => "not a capture",
             _ => "not an MCAP",
         };
         let is = |what: &str| format!("{not}: this is {what}");
         match self {
-            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Zstd | Self::Unknown => (
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture | Self::Zstd | Self::Unknown => (
                 format!("{not}: the magic bytes at byte 0 are missing"),
                 Some("pass a recording; if this file should be one, its first bytes are damaged"),
             ),

@@ -3,10 +3,12 @@
 //! Owns the notions of channel and message, and the choice of the reader by a file's first bytes. Must not know what
 //! is inside the messages, nor keep any of them.
 
+mod capture;
 mod chunks;
 mod compressed;
 mod inflate;
 mod kind;
+mod losses;
 mod mcap;
 pub(in crate::read) mod metadata;
 pub(in crate::read) mod numbered;
@@ -362,6 +364,7 @@ fn plain(path: &Path, (file, total): (File, u64), metadata: Option<&Metadata>, t
         Container::Mcap => return mcap::read(file, total, task),
         Container::Rosbag1 => return rosbag1::read(file, total, &first, task),
         Container::Sqlite => return sqlite::read(path, total, metadata, task),
+        Container::Capture => return capture::read(file, total, task),
         _ => {}
     }
     let (message, help) = container.refusal(source.kind);

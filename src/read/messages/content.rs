@@ -8,6 +8,7 @@ use super::header::Header;
 use super::packets::RawScan;
 use super::radar::Radar;
 use super::tf::Transform;
+use crate::read::packets::Packet;
 
 /// Most coefficients of a distortion that are read; OpenCV's largest model has 14.
 pub const MAX_DISTORTION: u32 = 64;
@@ -83,6 +84,8 @@ pub enum Body<'m> {
     Cloud(Box<Cloud<'m>>),
     /// The packets of a lidar.
     Packets(Box<RawScan<'m>>),
+    /// A single packet, which may be of a lidar.
+    Packet(Packet<'m>),
     /// An image, without its bytes.
     Image(Image<'m>),
     /// A grid, without its cells.

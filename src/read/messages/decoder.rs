@@ -10,7 +10,7 @@ use super::format::Format;
 use super::header::Header;
 use super::route::Route;
 use super::standard::Standard;
-use super::{DecodeError, Wire, foxglove};
+use super::{DecodeError, Wire, foxglove, packets};
 
 /// Reads the messages of one channel.
 #[derive(Clone, Debug)]
@@ -44,6 +44,10 @@ impl Decoder {
             return Self::new(
                 reader.map_or_else(DecodeMethod::unread, |reader| DecodeMethod::Foxglove(Box::new(reader))),
             );
+        }
+        if format.message_encoding == packets::ASSEMBLED {
+            let standard = Standard::Packets(packets::Carrier::Assembled);
+            return Self::new(DecodeMethod::Standard(Wire::Cdr, standard));
         }
         let Some(wire) = Wire::named(format.message_encoding) else {
             let encoding = named(format.message_encoding, "unnamed");

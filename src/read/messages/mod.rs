@@ -2,6 +2,7 @@
 //!
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
+pub(in crate::read) mod assembled;
 mod bodies;
 pub mod cloud;
 pub mod content;

@@ -2,7 +2,8 @@
 //!
 //! Owns the layouts of the messages, and that of the decoded cloud, which is that of velodyne_pointcloud: its times count from the stamp of the
 //! header. What is in a packet is read by [`crate::read::packets`]. Sources: velodyne_msgs (VelodyneScan), pandar_msgs (PandarScan),
-//! nebula_msgs (NebulaPackets); the order is the same in ROS 1 and ROS 2.
+//! nebula_msgs (NebulaPackets); the order is the same in ROS 1 and ROS 2. The same packets may come one by one (VelodynePacket, PandarPacket,
+//! NebulaPacket, and UdpPacket of udp_msgs): [`crate::read::scans`] makes scans of them.
 
 use std::borrow::Cow;
 
@@ -14,9 +15,9 @@ use crate::read::packets::{Maker, Packet, Scan, decode};
 const VELODYNE: usize = 1206;
 /// Bytes of `PandarPacket.data`, of which the first `size` are the packet.
 const PANDAR: usize = 1500;
-/// First bytes of a packet of Hesai, and of a block of Velodyne or of older models of Hesai.
-const HESAI_START: [u8; 2] = [0xee, 0xff];
-const BLOCK_START: [u8; 2] = [0xff, 0xee];
+/// The encoding of messages with scans that were assembled here: the fields of `nebula_msgs/NebulaPackets` in CDR, whatever the type of
+/// the channel.
+pub const ASSEMBLED: &str = "assembled";
 /// How far the clock of a sensor may be from the header's stamp for the points to be timed by it, nanoseconds: clocks without
 /// synchronisation count from 1970, or from when they were switched on.
 const NEAR_NS: u64 = 1_000_000_000;
@@ -41,14 +42,15 @@ pub enum Carrier {
     Pandar,
     /// `nebula_msgs/NebulaPackets`, of any maker.
     Nebula,
+    /// Assembled of single packets, see [`ASSEMBLED`].
+    Assembled,
 }
 
 /// The packets of one message, not decoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawScan<'m> {
     carrier: Carrier,
-    /// When the host received each, nanoseconds, and its bytes.
-    packets: Vec<(i64, &'m [u8])>,
+    packets: Vec<Packet<'m>>,
 }
 
 /// A cloud that was decoded from packets.
@@ -71,20 +73,33 @@ pub(super) fn scan<'m>(carrier: Carrier, cursor: &mut Cursor<'m>) -> Result<RawS
     let count = cursor.sequence()?;
     let mut packets = Vec::new();
     for _ in 0..count {
-        let received_ns = cursor.time()?;
-        let bytes = match carrier {
-            Carrier::Velodyne => cursor.take(VELODYNE)?,
-            Carrier::Nebula => cursor.bytes()?,
-            Carrier::Pandar => {
-                let data = cursor.take(PANDAR)?;
-                let size = cursor.u32()?;
-                let bytes = usize::try_from(size).ok().and_then(|size| data.get(..size));
-                bytes.ok_or_else(|| DecodeError(format!("a packet of {size} bytes in a field of {PANDAR}")))?
-            }
-        };
-        packets.push((received_ns, bytes));
+        packets.push(packet(carrier, cursor)?);
     }
     Ok(RawScan { carrier, packets })
+}
+
+/// Reads one packet.
+pub(super) fn packet<'m>(carrier: Carrier, cursor: &mut Cursor<'m>) -> Result<Packet<'m>, DecodeError> {
+    let received_ns = cursor.time()?;
+    let bytes = match carrier {
+        Carrier::Velodyne => cursor.take(VELODYNE)?,
+        Carrier::Nebula | Carrier::Assembled => cursor.bytes()?,
+        Carrier::Pandar => {
+            let data = cursor.take(PANDAR)?;
+            let size = cursor.u32()?;
+            let bytes = usize::try_from(size).ok().and_then(|size| data.get(..size));
+            bytes.ok_or_else(|| DecodeError(format!("a packet of {size} bytes in a field of {PANDAR}")))?
+        }
+    };
+    Ok(Packet { received_ns, bytes })
+}
+
+/// Reads the rest of a `udp_msgs/UdpPacket` after its header: who sent it, and the packet, which was received at the header's stamp.
+pub(super) fn udp_packet<'m>(received_ns: i64, cursor: &mut Cursor<'m>) -> Result<Packet<'m>, DecodeError> {
+    cursor.skip_str()?;
+    cursor.u16()?;
+    let bytes = cursor.bytes()?;
+    Ok(Packet { received_ns, bytes })
 }
 
 impl RawScan<'_> {
@@ -98,31 +113,27 @@ impl RawScan<'_> {
         match self.carrier {
             Carrier::Velodyne => return Ok(Maker::Velodyne),
             Carrier::Pandar => return Ok(Maker::Hesai),
-            Carrier::Nebula => {}
+            Carrier::Nebula | Carrier::Assembled => {}
         }
-        let first = self.packets.first().map_or(&[] as &[u8], |(_, bytes)| bytes);
-        if first.starts_with(&HESAI_START) {
-            return Ok(Maker::Hesai);
-        }
-        if first.starts_with(&BLOCK_START) {
-            let is_velodyne = first.len() == VELODYNE;
-            return Ok(if is_velodyne { Maker::Velodyne } else { Maker::Hesai });
-        }
-        let start = first.first_chunk().map_or(0, |start| u16::from_be_bytes(*start));
-        Err(DecodeError(format!(
-            "a packet of {} bytes that begins with {start:#06x} is neither of Velodyne nor of Hesai",
-            first.len()
-        )))
+        let first = self.packets.first().map_or(&[] as &[u8], |packet| packet.bytes);
+        Maker::of(first).ok_or_else(|| {
+            let start = first.first_chunk().map_or(0, |start| u16::from_be_bytes(*start));
+            DecodeError(format!(
+                "a packet of {} bytes that begins with {start:#06x} is neither of Velodyne nor of Hesai",
+                first.len()
+            ))
+        })
+    }
+
+    /// Whether it was assembled of single packets, most of which state no frame.
+    pub fn is_assembled(&self) -> bool {
+        self.carrier == Carrier::Assembled
     }
 
     /// Decodes the packets; `stamp_ns` is the stamp of the message's header, nanoseconds.
     pub fn decode(&self, stamp_ns: i64) -> Result<DecodedCloud, DecodeError> {
         let maker = self.maker()?;
-        let packets = self.packets.iter().map(|(received_ns, bytes)| Packet {
-            received_ns: *received_ns,
-            bytes,
-        });
-        let scan = decode(maker, packets).map_err(|error| DecodeError(error.to_string()))?;
+        let scan = decode(maker, self.packets.iter().copied()).map_err(|error| DecodeError(error.to_string()))?;
         Ok(DecodedCloud {
             maker: match maker {
                 Maker::Velodyne => "Velodyne",
@@ -138,7 +149,7 @@ impl RawScan<'_> {
     /// From the header's stamp to the start of the scan, nanoseconds: by the host's clock, as drivers do, else by the sensor's; zero where both
     /// are far from the stamp.
     fn start_ns(&self, scan: &Scan, stamp_ns: i64) -> i64 {
-        let received = self.packets.first().map(|(received_ns, _)| *received_ns);
+        let received = self.packets.first().map(|packet| packet.received_ns);
         let after = |at_ns: i64| at_ns.saturating_sub(stamp_ns);
         let starts = received.into_iter().chain(scan.start_ns).map(after);
         starts

@@ -39,6 +39,10 @@ pub(super) enum Standard {
     LivoxCloud,
     /// Packets of a lidar.
     Packets(Carrier),
+    /// One of them.
+    Packet(Carrier),
+    /// A datagram, which may be one of them.
+    UdpPacket,
     LaserScan,
     MultiEchoLaserScan,
     RadarScan,
@@ -92,6 +96,10 @@ impl Standard {
             "velodyne_msgs/VelodyneScan" => Self::Packets(Carrier::Velodyne),
             "pandar_msgs/PandarScan" => Self::Packets(Carrier::Pandar),
             "nebula_msgs/NebulaPackets" => Self::Packets(Carrier::Nebula),
+            "velodyne_msgs/VelodynePacket" => Self::Packet(Carrier::Velodyne),
+            "pandar_msgs/PandarPacket" => Self::Packet(Carrier::Pandar),
+            "nebula_msgs/NebulaPacket" => Self::Packet(Carrier::Nebula),
+            "udp_msgs/UdpPacket" => Self::UdpPacket,
             "nav_msgs/OccupancyGrid" => Self::OccupancyGrid,
             "grid_map_msgs/GridMap" => Self::GridMap,
             "nav_msgs/Path" => Self::Path,
@@ -137,6 +145,12 @@ impl Standard {
             Self::Metadata => Body::Metadata(Cow::Borrowed(cursor.str()?)),
             Self::NmeaText => nmea::body(&mut cursor)?,
             Self::Clock => Body::Clock(cursor.time()?),
+            Self::Packet(carrier) => Body::Packet(packets::packet(carrier, &mut cursor)?),
+            Self::UdpPacket => {
+                let header = Header::read(&mut cursor)?;
+                let packet = packets::udp_packet(header.stamp_ns, &mut cursor)?;
+                return Ok(Content::new(Some(header), Body::Packet(packet)));
+            }
             Self::Transform => {
                 let transform = tf::read(&mut cursor)?;
                 let header = Header {
@@ -188,9 +202,14 @@ impl Standard {
             Self::MultiEchoLaserScan => sensing::multi_echo_scan(cursor),
             Self::RadarScan => radar::scan(cursor).map(Box::new).map(Body::Radar),
             Self::RadarTracks => radar::tracks(cursor).map(Box::new).map(Body::Radar),
-            Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
-                Ok(Body::Nothing)
-            }
+            Self::Tf
+            | Self::Transform
+            | Self::NmeaText
+            | Self::Description
+            | Self::Metadata
+            | Self::Clock
+            | Self::Packet(_)
+            | Self::UdpPacket => Ok(Body::Nothing),
         }
     }
 }

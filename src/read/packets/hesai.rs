@@ -128,6 +128,12 @@ fn parse(bytes: &[u8]) -> Result<Parsed<'_>, PacketError> {
     })
 }
 
+/// The azimuth of the first block, hundredths of a degree; `None` where this is no data packet.
+pub(super) fn azimuth(bytes: &[u8]) -> Option<u16> {
+    let model = model_of(bytes).ok()?;
+    u16_at(bytes, model.header_bytes + model.azimuth_at).filter(|azimuth| *azimuth < TURN)
+}
+
 /// Seconds since 1970 of the date in a tail: year, month, day, hour, minute, second. The year counts from 1900, on older
 /// sensors (then below 100) from 2000; where it is zero the other bytes are the seconds since 1970, most significant first.
 pub(super) fn seconds_of(date: [u8; 6]) -> Option<i64> {

@@ -3,11 +3,13 @@
 //! Frame: x forward, y left, z up for Velodyne (the driver turns the sensor's axes, y forward and x right). Hesai's driver
 //! keeps the sensor's own axes: azimuth 0 is +y, azimuth 90° is +x. Azimuths run clockwise seen from above.
 
+mod boundary;
 mod bytes;
 mod error;
 mod hesai;
 mod hesai_models;
 mod hesai_tables;
+mod sender;
 mod turn;
 mod velodyne;
 mod velodyne_models;
@@ -18,7 +20,9 @@ mod hesai_tests;
 #[cfg(test)]
 mod velodyne_tests;
 
+pub use boundary::{Boundary, boundary};
 pub use error::PacketError;
+pub use sender::Sender;
 
 /// Whose packets these are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -29,8 +33,21 @@ pub enum Maker {
     Hesai,
 }
 
+impl Maker {
+    /// By how a packet begins; `None` where it is of none of them.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            // Hesai: the start of the header; older models begin with the mark of a block, as Velodyne does.
+            [0xee, 0xff, ..] => Some(Self::Hesai),
+            [0xff, 0xee, ..] if bytes.len() == velodyne::PACKET_BYTES => Some(Self::Velodyne),
+            [0xff, 0xee, ..] => Some(Self::Hesai),
+            _ => None,
+        }
+    }
+}
+
 /// One packet as it was received.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Packet<'p> {
     /// When the host received it, nanoseconds since 1970 (0 where unknown).
     pub received_ns: i64,

@@ -9,7 +9,7 @@ use super::{Decode, Packet, PacketError, Return};
 
 const BLOCKS: usize = 12;
 const BLOCK_BYTES: usize = 100;
-const PACKET_BYTES: usize = 1206;
+pub(super) const PACKET_BYTES: usize = 1206;
 const HOUR_US: i64 = 3_600_000_000;
 /// Hundredths of a degree that no sensor turns in a cycle (20 turns a second make 0.8°): so far the azimuth jumps where the
 /// sensor is set to leave out a part of the turn.
@@ -78,6 +78,12 @@ fn parse(bytes: &[u8]) -> Result<Parsed<'_>, PacketError> {
         blocks,
         clock_us,
     })
+}
+
+/// The azimuth of the first block, hundredths of a degree; `None` where this is no data packet.
+pub(super) fn azimuth(bytes: &[u8]) -> Option<u16> {
+    let is_data = bytes.len() == PACKET_BYTES && u16_at(bytes, 0) == Some(MARKS[0]);
+    u16_at(bytes, 2).filter(|azimuth| is_data && *azimuth < TURN)
 }
 
 /// Blocks in use: with two returns a packet of the VLS-128 holds but one firing of all lasers.

@@ -10,7 +10,6 @@ mod chunk;
 mod connection;
 mod connections;
 mod index;
-mod losses;
 mod record;
 mod report;
 mod sample;

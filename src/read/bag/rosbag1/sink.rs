@@ -10,8 +10,8 @@ use crate::read::bag::inflate::UnpackedChunk;
 
 use super::connections::Connections;
 use super::index::Index;
-use super::losses::{Loss, Losses};
 use super::record::{self, Fault};
+use crate::read::bag::losses::{Loss, Losses};
 
 /// What becomes of the bytes of a bag.
 pub(super) struct Sink<'v> {

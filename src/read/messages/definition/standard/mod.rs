@@ -39,6 +39,7 @@ pub(super) const PACKAGES: &[&str] = &[
     include_str!("tf2_msgs.msgs"),
     include_str!("trajectory_msgs.msgs"),
     include_str!("ublox_msgs.msgs"),
+    include_str!("udp_msgs.msgs"),
     include_str!("unique_identifier_msgs.msgs"),
     include_str!("uuid_msgs.msgs"),
     include_str!("velodyne_msgs.msgs"),

@@ -1,4 +1,4 @@
-//! Which parts of a bag could not be read, and where.
+//! Which parts of a recording could not be read, and where.
 //!
 //! Owns the bounded list of lost parts, and the messages about them.
 

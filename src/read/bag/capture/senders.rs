@@ -1,0 +1,136 @@
+//! Who sent which datagrams: a channel for each lidar, sentences of NMEA, and counts of everything else.
+//!
+//! Owns the names of topics: `/udp/` with the address of the sender and the port that it sends to.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+
+use crate::read::bag::{Channel, Message, Visit};
+use crate::read::messages::assembled::CaptureMessage;
+use crate::read::packets::{Maker, Sender};
+
+use super::network::Datagram;
+
+/// Bound on senders; what others send is counted.
+const MAX_SENDERS: usize = 1024;
+/// Datagrams in a row that begin as those of a maker, for an unknown model to be taken for one of it: by chance one in 65536 does.
+const IN_A_ROW: u32 = 3;
+
+/// Address and port of the sender, and the port that it sends to.
+type Key = (IpAddr, u16, u16);
+
+/// What a sender is.
+enum Kind {
+    Lidar(Channel),
+    /// With the last sentence.
+    Nmea(Channel, String),
+    /// Not yet known: datagrams in a row that begin as those of a lidar.
+    Unknown(u32),
+}
+
+pub(super) struct Senders<'v> {
+    pub(super) visit: &'v mut dyn Visit,
+    known: BTreeMap<Key, Kind>,
+    message: CaptureMessage,
+    channels: usize,
+    /// Messages that were passed on.
+    pub(super) messages: u64,
+    /// Datagrams that are not of a lidar.
+    pub(super) others: u64,
+    /// Senders of packets of Ouster, by their topics.
+    pub(super) ouster: BTreeSet<String>,
+}
+
+impl<'v> Senders<'v> {
+    pub(super) fn new(visit: &'v mut dyn Visit) -> Self {
+        Self {
+            visit,
+            known: BTreeMap::new(),
+            message: CaptureMessage::default(),
+            channels: 0,
+            messages: 0,
+            others: 0,
+            ouster: BTreeSet::new(),
+        }
+    }
+
+    /// Takes in a datagram.
+    pub(super) fn datagram(&mut self, datagram: &Datagram<'_>, log_ns: i64) {
+        let Datagram {
+            source,
+            source_port,
+            port,
+            ref data,
+        } = *datagram;
+        let key = (source, source_port, port);
+        if !self.known.contains_key(&key) && self.known.len() >= MAX_SENDERS {
+            self.others += 1;
+            return;
+        }
+        let kind = self.known.entry(key).or_insert(Kind::Unknown(0));
+        if let Kind::Unknown(in_a_row) = kind {
+            let sender = Sender::of(data);
+            let is_maker = Maker::of(data).is_some();
+            *in_a_row = if is_maker { *in_a_row + 1 } else { 0 };
+            let topic = || format!("/udp/{}", SocketAddr::new(source, port));
+            let announced = if matches!(sender, Some(Sender::Decoded(_))) || *in_a_row >= IN_A_ROW {
+                Kind::Lidar(channel(self.channels, topic(), "udp_msgs/msg/UdpPacket"))
+            } else if sentence(data).is_some() {
+                Kind::Nmea(channel(self.channels, topic(), "nmea_msgs/msg/Sentence"), String::new())
+            } else {
+                if sender == Some(Sender::Ouster) && self.ouster.len() < MAX_SENDERS {
+                    self.ouster.insert(topic());
+                } else if !is_maker {
+                    self.others += 1;
+                }
+                return;
+            };
+            self.channels += 1;
+            if let Kind::Lidar(channel) | Kind::Nmea(channel, _) = &announced {
+                self.visit.channel(channel);
+            }
+            *kind = announced;
+        }
+        let (channel, data) = match kind {
+            Kind::Lidar(channel) => {
+                let address = source.to_string();
+                (&*channel, self.message.datagram(log_ns, (&address, source_port), data))
+            }
+            Kind::Nmea(channel, last) => match sentence(data) {
+                // The last sentence of the receiver is repeated until the next one comes.
+                Some(text) if text != last => {
+                    text.clone_into(last);
+                    (&*channel, self.message.sentence(log_ns, text))
+                }
+                _ => return,
+            },
+            Kind::Unknown(_) => return,
+        };
+        self.messages += 1;
+        self.visit.message(channel, &Message { log_ns, data });
+    }
+}
+
+fn channel(number: usize, topic: String, message_type: &str) -> Channel {
+    Channel {
+        number,
+        topic,
+        message_type: message_type.to_owned(),
+        schema: Arc::from([]),
+        schema_encoding: String::new(),
+        message_encoding: "cdr".to_owned(),
+        metadata: BTreeMap::new(),
+        writer: None,
+        latched: false,
+        total: None,
+    }
+}
+
+/// The sentence in a position packet of Velodyne (512 bytes). Source: VLP-16 user manual (63-9243), chapter 9, position packet.
+fn sentence(data: &[u8]) -> Option<&str> {
+    let text = data.get(206..).filter(|_| data.len() == 512)?;
+    let end = text.iter().position(|byte| !byte.is_ascii_graphic())?;
+    let text = std::str::from_utf8(text.get(..end)?).ok()?;
+    (text.starts_with('$') && text.contains('*')).then_some(text)
+}
