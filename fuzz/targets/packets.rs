@@ -1,5 +1,5 @@
 //! Any bytes as packets of a lidar, of each maker: no panic, finite points, and not more of them than the bytes hold.
-use frames_lint::read::packets::{Maker, Packet, decode};
+use frames_lint::read::packets::{Maker, Packet, Unit, boundary, decode_with};
 
 /// Runs the target: the first two bytes are the length of every packet, the rest are the packets.
 pub fn run(bytes: &[u8]) {
@@ -7,11 +7,21 @@ pub fn run(bytes: &[u8]) {
         return;
     };
     let length = usize::from(u16::from_le_bytes(*length)).max(1);
-    for maker in [Maker::Velodyne, Maker::Hesai] {
+    let mut unit = Unit::default();
+    for packet in bytes.chunks(length) {
+        unit.take(packet);
+        let _ = Maker::of(packet);
+    }
+    for maker in [Maker::Velodyne, Maker::Hesai, Maker::RoboSense, Maker::Livox] {
+        let mut scans = boundary(maker);
+        let begun = bytes.chunks(length).filter(|packet| scans.begins(packet) == Some(true));
+        assert!(begun.count() < bytes.len().max(1));
         for received_ns in [0, i64::MIN, 1_700_000_000_000_000_000, i64::MAX] {
             let packets = bytes.chunks(length).map(|bytes| Packet { received_ns, bytes });
             let count = packets.len();
-            let Ok(scan) = decode(maker, packets) else { continue };
+            let Ok(scan) = decode_with(maker, packets, &unit) else {
+                continue;
+            };
             // A return has two bytes at least.
             assert!(scan.returns.len() <= bytes.len() / 2);
             assert!(scan.refused < count && (scan.refused > 0) == scan.reason.is_some());

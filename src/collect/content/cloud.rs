@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::read::messages::packets::RawScan;
+use crate::read::packets::Unit;
 use crate::source::MessageRef;
 use crate::world::cloud::{
     CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_LAYOUTS, PacketSensor, PointField, PointTimes,
@@ -52,6 +53,8 @@ pub(super) struct Clouds {
     options: CloudOptions,
     count: u64,
     sensor: Option<PacketSensor>,
+    /// What packets have told of the sensor so far.
+    unit: Unit,
     pub(super) packets: PacketCounts,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
@@ -70,6 +73,7 @@ impl Clouds {
             share,
             count: 0,
             sensor: None,
+            unit: Unit::default(),
             packets: PacketCounts::default(),
             layouts: Vec::new(),
             others: 0,
@@ -99,9 +103,12 @@ impl Clouds {
 
     /// Takes in packets, which are decoded only where points of the cloud are kept.
     pub(super) fn push_packets(&mut self, point: Point, scan: &RawScan<'_>) {
+        let mut unit = std::mem::take(&mut self.unit);
+        scan.describe(&mut unit);
         let decoded = OnceCell::new();
-        let cloud = || decoded.get_or_init(|| scan.decode(point.stamp_ns.unwrap_or(0)));
+        let cloud = || decoded.get_or_init(|| scan.decode_with(point.stamp_ns.unwrap_or(0), &unit));
         self.sample(point, || cloud().as_ref().ok().map(|decoded| &decoded.cloud));
+        self.unit = unit;
         let Some(decoded) = decoded.get() else { return };
         let (refused, reason) = match decoded {
             Ok(decoded) => {

@@ -2,19 +2,22 @@
 //!
 //! Owns the layouts of the messages, and that of the decoded cloud, which is that of velodyne_pointcloud: its times count from the stamp of the
 //! header. What is in a packet is read by [`crate::read::packets`]. Sources: velodyne_msgs (VelodyneScan), pandar_msgs (PandarScan),
-//! nebula_msgs (NebulaPackets); the order is the same in ROS 1 and ROS 2. The same packets may come one by one (VelodynePacket, PandarPacket,
-//! NebulaPacket, and UdpPacket of udp_msgs): [`crate::read::scans`] makes scans of them.
+//! nebula_msgs (NebulaPackets), robosense_msgs (RobosenseScan), rslidar_msgs (rslidarScan); the order is the same in ROS 1 and ROS 2.
+//! The same packets may come one by one (VelodynePacket, PandarPacket, NebulaPacket, and UdpPacket of udp_msgs): [`crate::read::scans`] makes
+//! scans of them.
 
 use std::borrow::Cow;
 
 use super::cloud::{Cloud, Field};
 use super::{Cursor, DecodeError};
-use crate::read::packets::{Maker, Packet, Scan, decode};
+use crate::read::packets::{Maker, Packet, Scan, Unit, decode_with};
 
 /// Bytes of `VelodynePacket.data`.
 const VELODYNE: usize = 1206;
 /// Bytes of `PandarPacket.data`, of which the first `size` are the packet.
 const PANDAR: usize = 1500;
+/// Bytes of `RobosensePacket.data` and `rslidarPacket.data`.
+const ROBOSENSE: usize = 1248;
 /// The encoding of messages with scans that were assembled here: the fields of `nebula_msgs/NebulaPackets` in CDR, whatever the type of
 /// the channel.
 pub const ASSEMBLED: &str = "assembled";
@@ -40,6 +43,8 @@ pub enum Carrier {
     Velodyne,
     /// `pandar_msgs/PandarScan`.
     Pandar,
+    /// `robosense_msgs/RobosenseScan`, `rslidar_msgs/rslidarScan`.
+    RoboSense,
     /// `nebula_msgs/NebulaPackets`, of any maker.
     Nebula,
     /// Assembled of single packets, see [`ASSEMBLED`].
@@ -83,6 +88,7 @@ pub(super) fn packet<'m>(carrier: Carrier, cursor: &mut Cursor<'m>) -> Result<Pa
     let received_ns = cursor.time()?;
     let bytes = match carrier {
         Carrier::Velodyne => cursor.take(VELODYNE)?,
+        Carrier::RoboSense => cursor.take(ROBOSENSE)?,
         Carrier::Nebula | Carrier::Assembled => cursor.bytes()?,
         Carrier::Pandar => {
             let data = cursor.take(PANDAR)?;
@@ -113,13 +119,14 @@ impl RawScan<'_> {
         match self.carrier {
             Carrier::Velodyne => return Ok(Maker::Velodyne),
             Carrier::Pandar => return Ok(Maker::Hesai),
+            Carrier::RoboSense => return Ok(Maker::RoboSense),
             Carrier::Nebula | Carrier::Assembled => {}
         }
         let first = self.packets.first().map_or(&[] as &[u8], |packet| packet.bytes);
         Maker::of(first).ok_or_else(|| {
             let start = first.first_chunk().map_or(0, |start| u16::from_be_bytes(*start));
             DecodeError(format!(
-                "a packet of {} bytes that begins with {start:#06x} is neither of Velodyne nor of Hesai",
+                "a packet of {} bytes that begins with {start:#06x} is of no known maker (Velodyne, Hesai, RoboSense, Livox)",
                 first.len()
             ))
         })
@@ -130,15 +137,27 @@ impl RawScan<'_> {
         self.carrier == Carrier::Assembled
     }
 
+    /// Keeps what the packets tell of the sensor.
+    pub fn describe(&self, unit: &mut Unit) {
+        for packet in &self.packets {
+            unit.take(packet.bytes);
+        }
+    }
+
     /// Decodes the packets; `stamp_ns` is the stamp of the message's header, nanoseconds.
     pub fn decode(&self, stamp_ns: i64) -> Result<DecodedCloud, DecodeError> {
+        let mut unit = Unit::default();
+        self.describe(&mut unit);
+        self.decode_with(stamp_ns, &unit)
+    }
+
+    /// The same with what is known of the sensor.
+    pub fn decode_with(&self, stamp_ns: i64, unit: &Unit) -> Result<DecodedCloud, DecodeError> {
         let maker = self.maker()?;
-        let scan = decode(maker, self.packets.iter().copied()).map_err(|error| DecodeError(error.to_string()))?;
+        let packets = self.packets.iter().copied();
+        let scan = decode_with(maker, packets, unit).map_err(|error| DecodeError(error.to_string()))?;
         Ok(DecodedCloud {
-            maker: match maker {
-                Maker::Velodyne => "Velodyne",
-                Maker::Hesai => "Hesai",
-            },
+            maker: maker.name(),
             model: scan.model,
             cloud: cloud(&scan, self.start_ns(&scan, stamp_ns)),
             refused: scan.refused,

@@ -95,6 +95,7 @@ impl Standard {
             "livox_ros_driver2/CustomMsg" | "livox_ros_driver/CustomMsg" => Self::LivoxCloud,
             "velodyne_msgs/VelodyneScan" => Self::Packets(Carrier::Velodyne),
             "pandar_msgs/PandarScan" => Self::Packets(Carrier::Pandar),
+            "robosense_msgs/RobosenseScan" | "rslidar_msgs/rslidarScan" => Self::Packets(Carrier::RoboSense),
             "nebula_msgs/NebulaPackets" => Self::Packets(Carrier::Nebula),
             "velodyne_msgs/VelodynePacket" => Self::Packet(Carrier::Velodyne),
             "pandar_msgs/PandarPacket" => Self::Packet(Carrier::Pandar),

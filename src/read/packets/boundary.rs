@@ -1,13 +1,16 @@
-//! Where one scan ends and the next begins, in the packets of one sensor: where its azimuth passes zero, as the ROS drivers cut by default.
+//! Where one scan ends and the next begins, in the packets of one sensor, as the ROS drivers cut by default: where its azimuth passes zero,
+//! where the numbers of its packets start again (RoboSense's sensors without rotation), or after a tenth of a second (Livox).
 
 use super::turn::TURN;
-use super::{Maker, hesai, velodyne};
+use super::{Maker, hesai, livox, robosense, robosense_models, robosense_solid, velodyne};
 
 /// Hundredths of a degree that packets are apart at most, however they are lost or swapped on the way, for the direction of turning to be
 /// read from them. Packets of known sensors cover up to 4 degrees.
 const NEAR: u16 = 1000;
 /// Steps in one direction that make it the direction of turning; a swapped packet makes one or two against it.
 const STEADY: i8 = 3;
+/// How long a scan of a Livox lasts, nanoseconds: its driver publishes ten a second.
+const LIVOX_NS: i64 = 100_000_000;
 
 /// Tells where scans begin, packet after packet of one sensor.
 pub trait Boundary {
@@ -17,10 +20,52 @@ pub trait Boundary {
 
 /// The boundaries of a maker's scans.
 pub fn boundary(maker: Maker) -> Box<dyn Boundary> {
-    Box::new(Sweep::of(match maker {
-        Maker::Velodyne => velodyne::azimuth,
-        Maker::Hesai => hesai::azimuth,
-    }))
+    match maker {
+        Maker::Velodyne => Box::new(Sweep::of(velodyne::azimuth)),
+        Maker::Hesai => Box::new(Sweep::of(hesai::azimuth)),
+        Maker::RoboSense => Box::new(RoboSense {
+            sweep: Sweep::of(robosense::azimuth),
+            number: None,
+        }),
+        Maker::Livox => Box::new(Livox { begun_ns: None }),
+    }
+}
+
+/// A RoboSense, that turns or not.
+struct RoboSense {
+    sweep: Sweep,
+    /// Of the packet before, of a sensor that does not turn.
+    number: Option<u16>,
+}
+
+impl Boundary for RoboSense {
+    fn begins(&mut self, bytes: &[u8]) -> Option<bool> {
+        if !robosense_models::is_solid(bytes) {
+            return self.sweep.begins(bytes);
+        }
+        let number = robosense_solid::number(bytes)?;
+        let before = self.number.replace(number);
+        Some(before.is_some_and(|before| number < before))
+    }
+}
+
+/// A Livox.
+struct Livox {
+    /// When the scan began, nanoseconds by the sensor's clock.
+    begun_ns: Option<i64>,
+}
+
+impl Boundary for Livox {
+    fn begins(&mut self, bytes: &[u8]) -> Option<bool> {
+        let now_ns = livox::time_ns(bytes)?;
+        let begun_ns = *self.begun_ns.get_or_insert(now_ns);
+        // Also where the clock was set back.
+        let begins = now_ns < begun_ns || now_ns.saturating_sub(begun_ns) >= LIVOX_NS;
+        if begins {
+            self.begun_ns = Some(now_ns);
+        }
+        Some(begins)
+    }
 }
 
 /// A sensor that turns.

@@ -39,6 +39,11 @@ pub enum PacketError {
         /// The model of the packet.
         model: &'static str,
     },
+    /// The angles of the beams are this one sensor's, and neither its packets nor the model tell them.
+    Untold {
+        /// The model of the packet.
+        model: &'static str,
+    },
     /// A block does not begin with its mark.
     Mark {
         /// The model of the packet.
@@ -80,6 +85,10 @@ impl fmt::Display for PacketError {
             Self::Configured { model } => write!(
                 f,
                 "a packet of a {model} whose channels follow a configuration of its own"
+            ),
+            Self::Untold { model } => write!(
+                f,
+                "a packet of a {model} whose angles are in a packet (DIFOP) that the recording does not have"
             ),
             Self::Mark { model, block } => write!(f, "a packet of a {model} whose block {block} lacks its mark"),
             Self::Azimuth { model, block, sent } => write!(

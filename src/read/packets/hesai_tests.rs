@@ -1,6 +1,6 @@
 //! Packets of Hesai built here, and the points and times that the user manuals' arithmetic gives by hand.
 
-use super::hesai::seconds_of;
+use super::date::seconds_of;
 use super::{Maker, Packet, PacketError, Return, Scan, decode};
 
 /// How a test builds the packet of a model.

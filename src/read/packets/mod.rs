@@ -1,16 +1,24 @@
-//! Raw packets of lidars (Velodyne, Hesai) decoded into returns, by the layouts and angles of the vendors' user manuals.
+//! Raw packets of lidars decoded into returns, by the layouts and angles of the vendors' user manuals and drivers.
 //!
-//! Frame: x forward, y left, z up for Velodyne (the driver turns the sensor's axes, y forward and x right). Hesai's driver
-//! keeps the sensor's own axes: azimuth 0 is +y, azimuth 90° is +x. Azimuths run clockwise seen from above.
+//! Frame: x forward, y left, z up for Velodyne (the driver turns the sensor's axes, y forward and x right), RoboSense and
+//! Livox. Hesai's driver keeps the sensor's own axes: azimuth 0 is +y, azimuth 90° is +x. Azimuths run clockwise seen from
+//! above.
 
 mod boundary;
 mod bytes;
+mod date;
 mod error;
 mod hesai;
 mod hesai_models;
 mod hesai_tables;
+mod livox;
+mod robosense;
+mod robosense_models;
+mod robosense_solid;
+mod robosense_tables;
 mod sender;
 mod turn;
+mod unit;
 mod velodyne;
 mod velodyne_models;
 mod velodyne_tables;
@@ -18,11 +26,17 @@ mod velodyne_tables;
 #[cfg(test)]
 mod hesai_tests;
 #[cfg(test)]
+mod livox_tests;
+#[cfg(test)]
+mod robosense_tests;
+#[cfg(test)]
 mod velodyne_tests;
 
 pub use boundary::{Boundary, boundary};
 pub use error::PacketError;
+pub use robosense::is_info as describes_sensor;
 pub use sender::Sender;
+pub use unit::Unit;
 
 /// Whose packets these are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,17 +45,37 @@ pub enum Maker {
     Velodyne,
     /// Hesai: Pandar40P, Pandar64, `PandarQT64`, `PandarQT128`, `PandarXT16`, `PandarXT32`, `PandarXT32M`, `Pandar128E4X`.
     Hesai,
+    /// `RoboSense`: RS-LiDAR-16, RS-LiDAR-32, RS-Bpearl, RS-Helios, RS-Ruby, RS-LiDAR-M1.
+    RoboSense,
+    /// Livox: what they have in common, for their packets do not name the model.
+    Livox,
 }
 
 impl Maker {
-    /// By how a packet begins; `None` where it is of none of them.
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velodyne => "Velodyne",
+            Self::Hesai => "Hesai",
+            Self::RoboSense => "RoboSense",
+            Self::Livox => "Livox",
+        }
+    }
+
+    /// Whose packet this is, by its first bytes and its length.
     pub fn of(bytes: &[u8]) -> Option<Self> {
-        match bytes {
-            // Hesai: the start of the header; older models begin with the mark of a block, as Velodyne does.
-            [0xee, 0xff, ..] => Some(Self::Hesai),
-            [0xff, 0xee, ..] if bytes.len() == velodyne::PACKET_BYTES => Some(Self::Velodyne),
-            [0xff, 0xee, ..] => Some(Self::Hesai),
-            _ => None,
+        if bytes.starts_with(&[0xEE, 0xFF]) {
+            Some(Self::Hesai)
+        } else if bytes.starts_with(&[0xFF, 0xEE]) {
+            Some(if bytes.len() == velodyne::PACKET_BYTES {
+                Self::Velodyne
+            } else {
+                Self::Hesai
+            })
+        } else if robosense::is_robosense(bytes) {
+            Some(Self::RoboSense)
+        } else {
+            livox::is_livox(bytes).then_some(Self::Livox)
         }
     }
 }
@@ -58,16 +92,16 @@ pub struct Packet<'p> {
 /// One return, in the axes in which the sensor's ROS driver publishes its clouds, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Return {
-    /// Velodyne: forward. Hesai: towards azimuth 90° (right of the sensor's zero direction).
+    /// Forward. Hesai: towards azimuth 90° (right of the sensor's zero direction).
     pub x: f32,
-    /// Velodyne: left. Hesai: towards azimuth 0.
+    /// Left. Hesai: towards azimuth 0.
     pub y: f32,
     /// Up.
     pub z: f32,
     /// 0..255, as sent.
     pub intensity: f32,
-    /// Velodyne: row from the lowest beam up. Hesai: channel from 0 in the order of the packet (from the highest beam down,
-    /// but from the lowest up on the QT sensors).
+    /// Velodyne, `RoboSense`: row from the lowest beam up (M1: place in the block). Hesai: channel from 0 in the order of the
+    /// packet (from the highest beam down, but from the lowest up on the QT sensors). Livox: zero.
     pub ring: u16,
     /// After [`Scan::start_ns`], nanoseconds (may be negative).
     pub offset_ns: i64,
@@ -78,8 +112,8 @@ pub struct Return {
 pub struct Scan {
     /// "VLP-16", "Pandar40P", ...
     pub model: &'static str,
-    /// Time of the first decoded packet, nanoseconds since 1970. Hesai: by the sensor's own clock and date, also where that
-    /// clock was never set. Velodyne: by the sensor's clock within the hour where it agrees with the host's clock, else by
+    /// Time of the first decoded packet, nanoseconds since 1970. Hesai, `RoboSense`: by the sensor's own clock and date, also
+    /// where that clock was never set. Livox: by the sensor's clock where it is synchronised, else as Velodyne. Velodyne: by the sensor's clock within the hour where it agrees with the host's clock, else by
     /// the host's `received_ns`; None where that is unknown.
     pub start_ns: Option<i64>,
     /// The returns in the order of the packets.
@@ -97,9 +131,23 @@ pub struct Scan {
 /// # Errors
 /// Where no packet could be decoded: why the first could not.
 pub fn decode<'p>(maker: Maker, packets: impl Iterator<Item = Packet<'p>>) -> Result<Scan, PacketError> {
+    decode_with(maker, packets, &Unit::default())
+}
+
+/// The same with what is known of the sensor from other packets.
+///
+/// # Errors
+/// Where no packet could be decoded: why the first could not.
+pub fn decode_with<'p>(
+    maker: Maker,
+    packets: impl Iterator<Item = Packet<'p>>,
+    unit: &Unit,
+) -> Result<Scan, PacketError> {
     match maker {
         Maker::Velodyne => collect(packets, velodyne::Decoder::default()),
         Maker::Hesai => collect(packets, hesai::Decoder::default()),
+        Maker::RoboSense => collect(packets, robosense::Decoder::new(unit)),
+        Maker::Livox => collect(packets, livox::Decoder::default()),
     }
 }
 

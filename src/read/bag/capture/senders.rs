@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::read::bag::{Channel, Message, Visit};
 use crate::read::messages::assembled::CaptureMessage;
-use crate::read::packets::{Maker, Sender};
+use crate::read::packets::{Maker, Sender, describes_sensor};
 
 use super::network::Datagram;
 
@@ -63,7 +63,15 @@ impl<'v> Senders<'v> {
             port,
             ref data,
         } = *datagram;
-        let key = (source, source_port, port);
+        let mut key = (source, source_port, port);
+        if describes_sensor(data) {
+            // It comes from another port than the data of the same sensor.
+            let is_lidar = |(known, kind): &(&Key, &Kind)| known.0 == source && matches!(kind, Kind::Lidar(_));
+            let Some((lidar, _)) = self.known.iter().find(is_lidar) else {
+                return;
+            };
+            key = *lidar;
+        }
         if !self.known.contains_key(&key) && self.known.len() >= MAX_SENDERS {
             self.others += 1;
             return;
