@@ -61,6 +61,8 @@ pub enum SourceKind {
     Rosbag2,
     /// A capture of a network, with the packets of lidars: pcap or pcapng.
     Pcap,
+    /// An OSF file: scans of Ouster's sensors.
+    Osf,
     /// The configuration of frames-lint itself.
     Configuration,
     /// A file named by the user, or known by its name, that no reader handles.
@@ -85,6 +87,7 @@ impl SourceKind {
             Self::Sqlite => "sqlite",
             Self::Rosbag2 => "rosbag2",
             Self::Pcap => "pcap",
+            Self::Osf => "osf",
             Self::Configuration => "configuration",
             Self::Unsupported => "unsupported",
         }
@@ -94,7 +97,7 @@ impl SourceKind {
     pub fn is_bag(self) -> bool {
         matches!(
             self,
-            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Rosbag2 | Self::Pcap
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Rosbag2 | Self::Pcap | Self::Osf
         )
     }
 }

@@ -43,6 +43,7 @@ const SENSOR_TYPES: &[&str] = &[
     "PandarPacket",
     "NebulaPacket",
     "UdpPacket",
+    "PacketMsg",
     "RadarScan",
     "CustomMsg",
     // Foxglove's.

@@ -30,7 +30,7 @@ use crate::read::messages::decoder::Decoder;
 use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::read::messages::format::Format;
-use crate::read::messages::header::Header;
+use crate::read::messages::packets::ASSEMBLED;
 use crate::read::scans;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
@@ -136,6 +136,7 @@ fn is_matched(channel: &Channel) -> bool {
             | "PandarPacket"
             | "NebulaPacket"
             | "UdpPacket"
+            | "PacketMsg"
     )
 }
 
@@ -208,11 +209,9 @@ impl Visit for Collector {
         };
         let has_header = header.is_some();
         // A capture states no frame, and most single packets neither: that they are without one is no fault.
-        let states_none = |header: &Header<'_>| {
-            header.frame_id.is_empty() && matches!(&body, Body::Packets(scan) if scan.is_assembled())
-        };
+        let is_made = channel.message_encoding == ASSEMBLED;
         let point = header.map_or(point, |header| {
-            let is_frameless = states_none(&header);
+            let is_frameless = is_made && header.frame_id.is_empty();
             topic.stamped(point, &header, is_frameless)
         });
         match body {

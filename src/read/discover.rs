@@ -303,6 +303,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "bag" | "bag.active" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
         "db3" | "db3.zstd" | "db3.zst" => SourceKind::Sqlite,
         "pcap" | "pcapng" | "cap" => SourceKind::Pcap,
+        "osf" => SourceKind::Osf,
         _ => return None,
     })
 }
@@ -318,8 +319,10 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {
         return Some(SourceKind::Sqlite);
     }
-    if Container::of(head) == Container::Capture {
-        return Some(SourceKind::Pcap);
+    match Container::of(head) {
+        Container::Capture => return Some(SourceKind::Pcap),
+        Container::Osf => return Some(SourceKind::Osf),
+        _ => {}
     }
     let text = head_text(head);
     if path.file_name().is_some_and(|name| name == metadata::NAME)

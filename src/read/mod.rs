@@ -15,6 +15,7 @@ pub mod feather;
 pub mod input;
 pub mod launch;
 pub mod messages;
+pub mod ouster;
 pub mod packets;
 mod recordings;
 pub mod scans;

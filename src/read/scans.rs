@@ -4,21 +4,29 @@
 //! its first packet was received and the frame of its message, if that has one. Must not know what is in a packet.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 use super::bag::{self, Channel, Extent, Message, Progress, Recording, Selection, Visit};
-use super::messages::assembled::AssembledScan;
+use super::messages::assembled::{AssembledScan, MadeMessage};
 use super::messages::content::Body;
 use super::messages::decoder::Decoder;
 use super::messages::decoders::Decoders;
 use super::messages::definition::Definitions;
 use super::messages::format::Format;
 use super::messages::packets::ASSEMBLED;
+use super::ouster::{KnownSensors, Origin, may_be_imu};
 use super::packets::{Boundary, Maker, Packet, boundary};
 use crate::source::Source;
 
 /// Types of messages with a single packet.
-const SINGLE: [&str; 4] = ["VelodynePacket", "PandarPacket", "NebulaPacket", "UdpPacket"];
+const SINGLE: [&str; 5] = [
+    "VelodynePacket",
+    "PandarPacket",
+    "NebulaPacket",
+    "UdpPacket",
+    "PacketMsg",
+];
 /// A scan in which no packet comes for so long is not continued, nanoseconds; the slowest sensors turn in a fifth of a second.
 const PAUSE_NS: u64 = 500_000_000;
 /// Bound on a scan, nanoseconds: sensors that stand still begin no new one.
@@ -36,8 +44,14 @@ pub fn read(
     (source, progress): (&mut Source, Progress<'_>),
     visit: &mut dyn Visit,
 ) -> Extent {
+    let path = recording.parts.first().map_or(recording.path, |part| part.as_path());
+    let folder = if path.is_dir() { Some(path) } else { path.parent() };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut scans = Scans {
         visit,
+        name: &name,
+        folder,
+        sensors: None,
         decoders: Decoders::new(Arc::clone(definitions)),
         channels: Vec::new(),
         announced: 0,
@@ -55,8 +69,12 @@ pub fn read(
 enum Entry {
     /// They are passed on.
     Plain(Channel),
+    /// They are passed on, and may be the metadata of a sensor.
+    Metadata(Channel, Decoder),
     /// They may be packets of a lidar: the first one decides.
     Open(Channel, Decoder),
+    /// They are packets of an Ouster's IMU.
+    Imu(Channel, Decoder),
     /// They are gathered.
     Lidar(Box<Lidar>),
 }
@@ -64,6 +82,11 @@ enum Entry {
 /// Passes a recording on, with scans in the place of packets.
 struct Scans<'v> {
     visit: &'v mut dyn Visit,
+    /// The name of the recording's file, and its folder.
+    name: &'v str,
+    folder: Option<&'v Path>,
+    /// The metadata that packets may decode by, once there are such packets or there is metadata.
+    sensors: Option<KnownSensors>,
     decoders: Decoders,
     /// By the number of the channel in the recording.
     channels: Vec<Entry>,
@@ -74,6 +97,12 @@ struct Scans<'v> {
 }
 
 impl Scans<'_> {
+    fn sensors(&mut self) -> &mut KnownSensors {
+        let folder = self.folder;
+        self.sensors
+            .get_or_insert_with(|| folder.map_or_else(KnownSensors::default, KnownSensors::in_folder))
+    }
+
     fn announce(&mut self, channel: &Channel) -> Channel {
         let channel = Channel {
             number: self.announced,
@@ -86,13 +115,32 @@ impl Scans<'_> {
 
     /// The first message of a channel decides what the channel is.
     fn decide(&mut self, channel: &Channel, decoder: Decoder, data: &[u8]) -> Entry {
-        let maker = match decoder.decode(data).map(|content| content.body) {
-            Ok(Body::Packet(packet)) => Maker::of(packet.bytes),
-            _ => None,
+        let copy = decoder.clone();
+        let packet = match copy.decode(data).map(|content| content.body) {
+            Ok(Body::Packet(packet)) => packet.bytes,
+            _ => &[],
         };
-        let Some(maker) = maker else {
-            return Entry::Plain(self.announce(channel));
+        let Some(maker) = Maker::of(packet) else {
+            let name = self.name;
+            if !may_be_imu(packet) {
+                return Entry::Plain(self.announce(channel));
+            }
+            if self.sensors().of_imu(packet, &origin(name, &channel.topic)).is_none() {
+                // Its metadata may follow.
+                return Entry::Open(channel.clone(), decoder);
+            }
+            let channel = self.announce(&Channel {
+                message_type: "sensor_msgs/msg/Imu".to_owned(),
+                message_encoding: ASSEMBLED.to_owned(),
+                schema: Arc::from([]),
+                schema_encoding: String::new(),
+                ..channel.clone()
+            });
+            return Entry::Imu(channel, decoder);
         };
+        if maker == Maker::Ouster {
+            self.sensors();
+        }
         let channel = self.announce(&Channel {
             message_encoding: ASSEMBLED.to_owned(),
             total: None,
@@ -106,7 +154,7 @@ impl Scans<'_> {
         let mut has_scans = false;
         for entry in std::mem::take(&mut self.channels) {
             match entry {
-                Entry::Plain(_) => {}
+                Entry::Plain(_) | Entry::Metadata(..) | Entry::Imu(..) => {}
                 // Without messages it is announced too.
                 Entry::Open(channel, _) => {
                     self.announce(&channel);
@@ -124,7 +172,8 @@ impl Scans<'_> {
 impl Visit for Scans<'_> {
     fn channel(&mut self, channel: &Channel) {
         let name = channel.message_type.rsplit('/').next().unwrap_or_default();
-        let entry = if SINGLE.contains(&name) {
+        let may_be_metadata = name == "String" && channel.topic.ends_with("metadata");
+        let entry = if may_be_metadata || SINGLE.contains(&name) {
             let format = Format {
                 topic: &channel.topic,
                 message_type: &channel.message_type,
@@ -133,7 +182,11 @@ impl Visit for Scans<'_> {
                 schema_encoding: &channel.schema_encoding,
             };
             let decoder = self.decoders.of(&format, &channel.schema);
-            Entry::Open(channel.clone(), decoder)
+            if may_be_metadata {
+                Entry::Metadata(self.announce(channel), decoder)
+            } else {
+                Entry::Open(channel.clone(), decoder)
+            }
         } else {
             Entry::Plain(self.announce(channel))
         };
@@ -149,11 +202,30 @@ impl Visit for Scans<'_> {
                 *entry = decided;
             }
         }
+        if let Some(Entry::Metadata(_, decoder)) = self.channels.get(number) {
+            let decoder = decoder.clone();
+            if let Ok(Body::Metadata(text)) = decoder.decode(message.data).map(|content| content.body) {
+                self.sensors().add(&channel.topic, &text, true);
+            }
+        }
+        let (name, sensors) = (self.name, self.sensors.as_ref());
         match self.channels.get_mut(number) {
-            Some(Entry::Plain(channel)) => self.visit.message(channel, message),
+            Some(Entry::Plain(channel) | Entry::Metadata(channel, _)) => self.visit.message(channel, message),
+            Some(Entry::Imu(channel, decoder)) => {
+                let content = decoder.decode(message.data);
+                let Ok(Body::Packet(packet)) = content.map(|content| content.body) else {
+                    return;
+                };
+                let measured = sensors.and_then(|sensors| sensors.of_imu(packet.bytes, &origin(name, &channel.topic)));
+                let mut made = MadeMessage::default();
+                for imu in measured.into_iter().flatten() {
+                    let data = made.imu(received_ns(&packet, message.log_ns), "", &imu);
+                    self.visit.message(channel, &Message { data, ..*message });
+                }
+            }
             Some(Entry::Lidar(lidar)) => {
                 let before = lidar.scan.scan.len();
-                lidar.message(message, self.gathered, &mut *self.visit);
+                lidar.message(message, (self.gathered, name, sensors), &mut *self.visit);
                 self.gathered = self.gathered.saturating_sub(before) + lidar.scan.scan.len();
             }
             Some(Entry::Open(..)) | None => {}
@@ -186,6 +258,8 @@ struct Lidar {
     maker: Maker,
     boundary: Box<dyn Boundary>,
     scan: Gathered,
+    /// The metadata of an Ouster, if it is known.
+    metadata: Option<String>,
     /// Whether the scan has its beginning.
     is_begun: bool,
     /// Whether a scan was passed on.
@@ -209,6 +283,7 @@ impl Lidar {
             maker,
             boundary: boundary(maker),
             scan: Gathered::default(),
+            metadata: None,
             is_begun: false,
             has_scans: false,
             part: Gathered::default(),
@@ -216,7 +291,12 @@ impl Lidar {
     }
 
     /// Takes in a message; `gathered` bytes are being held of all lidars.
-    fn message(&mut self, message: &Message<'_>, gathered: usize, visit: &mut dyn Visit) {
+    fn message(
+        &mut self,
+        message: &Message<'_>,
+        (gathered, name, sensors): (usize, &str, Option<&KnownSensors>),
+        visit: &mut dyn Visit,
+    ) {
         let decoder = self.decoder.clone();
         let Ok(content) = decoder.decode(message.data) else {
             // Without bytes it does not decode as a scan either, and is counted as such.
@@ -225,6 +305,14 @@ impl Lidar {
         };
         if let Body::Packet(packet) = content.body {
             let frame = content.header.map(|header| header.frame_id).unwrap_or_default();
+            if self.maker == Maker::Ouster && self.metadata.is_none() {
+                let known = sensors.and_then(|all| all.of_lidar(packet.bytes, &origin(name, &self.channel.topic)));
+                self.metadata = known.map(ToOwned::to_owned);
+            }
+            let packet = Packet {
+                received_ns: received_ns(&packet, message.log_ns),
+                ..packet
+            };
             self.packet(message.log_ns, (&packet, &frame), gathered, visit);
         }
     }
@@ -246,6 +334,9 @@ impl Lidar {
         self.is_begun |= begins;
         if self.scan.scan.is_empty() {
             self.scan.scan.begin(packet.received_ns, frame);
+            if let Some(text) = &self.metadata {
+                self.scan.scan.describe(text);
+            }
             self.scan.span_ns.0 = log_ns;
         }
         self.scan.span_ns.1 = log_ns;
@@ -255,7 +346,9 @@ impl Lidar {
     /// Ends the scan. The first one of a stretch is passed on only if it is whole: the recording began somewhere in the turn, and rules on
     /// rates and sweeps would take the part for a short scan.
     fn end(&mut self, is_long: bool, visit: &mut dyn Visit) {
-        if self.is_begun || is_long {
+        // The metadata may follow.
+        let is_undescribed = self.maker == Maker::Ouster && self.metadata.is_none();
+        if (self.is_begun || is_long) && !is_undescribed {
             self.has_scans = true;
             pass(&mut self.scan, &self.channel, visit);
         } else {
@@ -283,6 +376,24 @@ impl Lidar {
         if !self.has_scans {
             pass(&mut self.part, &self.channel, visit);
         }
+    }
+}
+
+/// What is known of packets besides their bytes; the topics of captures end with the port.
+fn origin<'o>(name: &'o str, topic: &'o str) -> Origin<'o> {
+    let port = topic.rsplit_once(':').and_then(|(_, port)| port.parse().ok());
+    Origin {
+        port,
+        names: [name, topic],
+    }
+}
+
+/// When the host received a packet, nanoseconds: when it was recorded, if its message does not state that.
+fn received_ns(packet: &Packet<'_>, log_ns: i64) -> i64 {
+    if packet.received_ns == 0 {
+        log_ns
+    } else {
+        packet.received_ns
     }
 }
 

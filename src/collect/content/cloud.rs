@@ -115,7 +115,7 @@ impl Clouds {
                 self.layout(point, &decoded.cloud);
                 self.sensor.get_or_insert_with(|| PacketSensor {
                     maker: decoded.maker.to_owned(),
-                    model: decoded.model.to_owned(),
+                    model: decoded.model.clone().into_owned(),
                 });
                 (decoded.refused, decoded.reason.clone())
             }

@@ -4,7 +4,7 @@
 
 use crate::source::SourceKind;
 
-use super::capture;
+use super::{capture, osf};
 
 /// How many bytes decide.
 pub(super) const SNIFFED: u64 = 64;
@@ -20,6 +20,8 @@ pub enum Container {
     Sqlite,
     /// A capture of a network, pcap or pcapng.
     Capture,
+    /// An OSF file of Ouster.
+    Osf,
     /// A file compressed with gzip.
     Gzip,
     /// A file compressed with zstd, as rosbag2 does in file mode (`.mcap.zstd`).
@@ -59,6 +61,9 @@ impl Container {
         if first.is_empty() {
             return Self::Empty;
         }
+        if first.get(8..).is_some_and(|rest| rest.starts_with(osf::MAGIC)) {
+            return Self::Osf;
+        }
         magics
             .into_iter()
             .chain(captures)
@@ -68,7 +73,10 @@ impl Container {
 
     /// Whether there is a reader for it.
     pub(super) fn is_read(self) -> bool {
-        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture)
+        matches!(
+            self,
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture | Self::Osf
+        )
     }
 
     /// Why such a file cannot be read as the expected recording, and what to do. Files with a reader are
@@ -79,11 +87,12 @@ impl Container {
             SourceKind::Sqlite => "not a rosbag2 database",
             SourceKind::Rosbag2 => "not a recording",
             SourceKind::Pcap => "not a capture",
+            SourceKind::Osf => "not an OSF file",
             _ => "not an MCAP",
         };
         let is = |what: &str| format!("{not}: this is {what}");
         match self {
-            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture | Self::Zstd | Self::Unknown => (
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Capture | Self::Osf | Self::Zstd | Self::Unknown => (
                 format!("{not}: the magic bytes at byte 0 are missing"),
                 Some("pass a recording; if this file should be one, its first bytes are damaged"),
             ),

@@ -12,6 +12,7 @@ mod losses;
 mod mcap;
 pub(in crate::read) mod metadata;
 pub(in crate::read) mod numbered;
+mod osf;
 mod parts;
 mod rosbag1;
 pub(in crate::read) mod rosbag2;
@@ -365,6 +366,7 @@ fn plain(path: &Path, (file, total): (File, u64), metadata: Option<&Metadata>, t
         Container::Rosbag1 => return rosbag1::read(file, total, &first, task),
         Container::Sqlite => return sqlite::read(path, total, metadata, task),
         Container::Capture => return capture::read(file, total, task),
+        Container::Osf => return osf::read(file, total, task),
         _ => {}
     }
     let (message, help) = container.refusal(source.kind);

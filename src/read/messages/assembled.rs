@@ -1,7 +1,9 @@
-//! Messages that are written here, in little-endian CDR: scans assembled of single packets, datagrams and sentences out of captures.
+//! Messages that are written here, in little-endian CDR: scans assembled of single packets, measurements of IMUs, datagrams and
+//! sentences out of captures.
 //!
-//! Owns their layouts: `nebula_msgs/NebulaPackets`, `udp_msgs/UdpPacket`, `nmea_msgs/Sentence`.
+//! Owns their layouts: `nebula_msgs/NebulaPackets`, `udp_msgs/UdpPacket`, `sensor_msgs/Imu`, `nmea_msgs/Sentence`.
 
+use crate::read::ouster::Imu;
 use crate::read::packets::Packet;
 
 /// Encapsulation of little-endian CDR.
@@ -20,9 +22,10 @@ impl Cdr {
         self.str(frame);
     }
 
-    /// The encapsulation is as long as the largest alignment here.
+    /// To a multiple of the bytes behind the encapsulation.
     fn align(&mut self, to: usize) {
-        self.0.resize(self.0.len().next_multiple_of(to), 0);
+        let body = self.0.len().saturating_sub(HEAD.len());
+        self.0.resize(HEAD.len() + body.next_multiple_of(to), 0);
     }
 
     fn u32(&mut self, value: u32) {
@@ -71,6 +74,12 @@ impl AssembledScan {
         self.cdr.u32(0);
     }
 
+    /// Appends a text that describes the sensor, in the place of a packet.
+    pub(in crate::read) fn describe(&mut self, text: &str) {
+        let bytes = text.as_bytes();
+        self.push(&Packet { received_ns: 0, bytes });
+    }
+
     /// Appends a packet.
     pub(in crate::read) fn push(&mut self, packet: &Packet<'_>) {
         self.cdr.time(packet.received_ns);
@@ -101,11 +110,11 @@ impl AssembledScan {
     }
 }
 
-/// Writes messages of captures, one after the other.
+/// Writes single messages, one after the other.
 #[derive(Debug, Default)]
-pub(in crate::read) struct CaptureMessage(Cdr);
+pub(in crate::read) struct MadeMessage(Cdr);
 
-impl CaptureMessage {
+impl MadeMessage {
     /// A datagram; a capture states no frame.
     pub(in crate::read) fn datagram(&mut self, at_ns: i64, (address, port): (&str, u16), data: &[u8]) -> &[u8] {
         self.0.begin(at_ns, "");
@@ -113,6 +122,26 @@ impl CaptureMessage {
         self.0.align(2);
         self.0.0.extend(port.to_le_bytes());
         self.0.bytes(data);
+        &self.0.0
+    }
+
+    /// A measurement of an IMU without orientation, in m/s² and rad/s.
+    pub(in crate::read) fn imu(&mut self, at_ns: i64, frame: &str, imu: &Imu) -> &[u8] {
+        self.0.begin(at_ns, frame);
+        let unknown = [[-1.0].as_slice(), &[0.0; 8]].concat();
+        let orientation = [[0.0, 0.0, 0.0, 1.0].as_slice(), &unknown].concat();
+        let covariance = [0.0; 9];
+        let parts = [
+            orientation.as_slice(),
+            &imu.angular_rate,
+            &covariance,
+            &imu.acceleration,
+            &covariance,
+        ];
+        self.0.align(8);
+        for value in parts.into_iter().flatten() {
+            self.0.0.extend(value.to_le_bytes());
+        }
         &self.0.0
     }
 

@@ -46,7 +46,11 @@ impl Decoder {
             );
         }
         if format.message_encoding == packets::ASSEMBLED {
-            let standard = Standard::Packets(packets::Carrier::Assembled);
+            let plain = ["sensor_msgs/Imu", "nmea_msgs/Sentence"].contains(&&*plain_name(format.message_type));
+            let standard = plain
+                .then(|| Standard::of(&plain_name(format.message_type), None))
+                .flatten();
+            let standard = standard.unwrap_or(Standard::Packets(packets::Carrier::Assembled));
             return Self::new(DecodeMethod::Standard(Wire::Cdr, standard));
         }
         let Some(wire) = Wire::named(format.message_encoding) else {

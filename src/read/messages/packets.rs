@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use super::cloud::{Cloud, Field};
 use super::{Cursor, DecodeError};
-use crate::read::packets::{Maker, Packet, Scan, Unit, decode_with};
+use crate::read::packets::{Maker, Packet, Scan, Unit, decode_with, describes_sensor};
 
 /// Bytes of `VelodynePacket.data`.
 const VELODYNE: usize = 1206;
@@ -18,8 +18,8 @@ const VELODYNE: usize = 1206;
 const PANDAR: usize = 1500;
 /// Bytes of `RobosensePacket.data` and `rslidarPacket.data`.
 const ROBOSENSE: usize = 1248;
-/// The encoding of messages with scans that were assembled here: the fields of `nebula_msgs/NebulaPackets` in CDR, whatever the type of
-/// the channel.
+/// The encoding of messages that were made here, in CDR, of data that mostly state no frame: `sensor_msgs/Imu`, `nmea_msgs/Sentence`, and of
+/// channels of any other type scans with the fields of `nebula_msgs/NebulaPackets`.
 pub const ASSEMBLED: &str = "assembled";
 /// How far the clock of a sensor may be from the header's stamp for the points to be timed by it, nanoseconds: clocks without
 /// synchronisation count from 1970, or from when they were switched on.
@@ -63,8 +63,8 @@ pub struct RawScan<'m> {
 pub struct DecodedCloud {
     /// The maker of the sensor: `Velodyne`.
     pub maker: &'static str,
-    /// Its model, as the packets state it: `VLP-16`.
-    pub model: &'static str,
+    /// Its model, as the packets or the metadata state it: `VLP-16`.
+    pub model: Cow<'static, str>,
     /// x, y and z in metres, in the axes of the sensor's ROS driver; the time in seconds after the header's stamp.
     pub cloud: Cloud<'static>,
     /// Packets of the message that were not decoded.
@@ -111,7 +111,8 @@ pub(super) fn udp_packet<'m>(received_ns: i64, cursor: &mut Cursor<'m>) -> Resul
 impl RawScan<'_> {
     /// How many packets it has.
     pub fn packets(&self) -> usize {
-        self.packets.len()
+        let data = self.packets.iter().filter(|packet| !describes_sensor(packet.bytes));
+        data.count()
     }
 
     /// The maker of the sensor; the error shows how its packets begin.
@@ -122,19 +123,15 @@ impl RawScan<'_> {
             Carrier::RoboSense => return Ok(Maker::RoboSense),
             Carrier::Nebula | Carrier::Assembled => {}
         }
-        let first = self.packets.first().map_or(&[] as &[u8], |packet| packet.bytes);
+        let mut data = self.packets.iter().filter(|packet| !describes_sensor(packet.bytes));
+        let first = data.next().map_or(&[] as &[u8], |packet| packet.bytes);
         Maker::of(first).ok_or_else(|| {
             let start = first.first_chunk().map_or(0, |start| u16::from_be_bytes(*start));
             DecodeError(format!(
-                "a packet of {} bytes that begins with {start:#06x} is of no known maker (Velodyne, Hesai, RoboSense, Livox)",
+                "a packet of {} bytes that begins with {start:#06x} is of no known maker (Velodyne, Hesai, RoboSense, Livox, Ouster)",
                 first.len()
             ))
         })
-    }
-
-    /// Whether it was assembled of single packets, most of which state no frame.
-    pub fn is_assembled(&self) -> bool {
-        self.carrier == Carrier::Assembled
     }
 
     /// Keeps what the packets tell of the sensor.
@@ -158,8 +155,8 @@ impl RawScan<'_> {
         let scan = decode_with(maker, packets, unit).map_err(|error| DecodeError(error.to_string()))?;
         Ok(DecodedCloud {
             maker: maker.name(),
-            model: scan.model,
             cloud: cloud(&scan, self.start_ns(&scan, stamp_ns)),
+            model: scan.model,
             refused: scan.refused,
             reason: scan.reason.map(|reason| reason.to_string()),
         })

@@ -8,6 +8,7 @@ use super::content::{Body, Content, Member};
 use super::header::Header;
 use super::packets::{self, Carrier};
 use super::{Cursor, DecodeError, bodies, cloud, nmea, radar, sensing, tf};
+use crate::read::packets::Packet;
 
 /// A standard type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +44,8 @@ pub(super) enum Standard {
     Packet(Carrier),
     /// A datagram, which may be one of them.
     UdpPacket,
+    /// A packet of an Ouster, without anything else.
+    OusterPacket,
     LaserScan,
     MultiEchoLaserScan,
     RadarScan,
@@ -101,6 +104,7 @@ impl Standard {
             "pandar_msgs/PandarPacket" => Self::Packet(Carrier::Pandar),
             "nebula_msgs/NebulaPacket" => Self::Packet(Carrier::Nebula),
             "udp_msgs/UdpPacket" => Self::UdpPacket,
+            "ouster_ros/PacketMsg" | "ouster_msgs/PacketMsg" | "ouster_sensor_msgs/PacketMsg" => Self::OusterPacket,
             "nav_msgs/OccupancyGrid" => Self::OccupancyGrid,
             "grid_map_msgs/GridMap" => Self::GridMap,
             "nav_msgs/Path" => Self::Path,
@@ -147,6 +151,10 @@ impl Standard {
             Self::NmeaText => nmea::body(&mut cursor)?,
             Self::Clock => Body::Clock(cursor.time()?),
             Self::Packet(carrier) => Body::Packet(packets::packet(carrier, &mut cursor)?),
+            Self::OusterPacket => Body::Packet(Packet {
+                received_ns: 0,
+                bytes: cursor.bytes()?,
+            }),
             Self::UdpPacket => {
                 let header = Header::read(&mut cursor)?;
                 let packet = packets::udp_packet(header.stamp_ns, &mut cursor)?;
@@ -210,7 +218,8 @@ impl Standard {
             | Self::Metadata
             | Self::Clock
             | Self::Packet(_)
-            | Self::UdpPacket => Ok(Body::Nothing),
+            | Self::UdpPacket
+            | Self::OusterPacket => Ok(Body::Nothing),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Where one scan ends and the next begins, in the packets of one sensor, as the ROS drivers cut by default: where its azimuth passes zero,
-//! where the numbers of its packets start again (RoboSense's sensors without rotation), or after a tenth of a second (Livox).
+//! where the numbers of its packets start again (RoboSense's sensors without rotation), after a tenth of a second (Livox), or where the
+//! packets say that another turn begins (Ouster).
 
 use super::turn::TURN;
-use super::{Maker, hesai, livox, robosense, robosense_models, robosense_solid, velodyne};
+use super::{Maker, hesai, livox, ouster, robosense, robosense_models, robosense_solid, velodyne};
 
 /// Hundredths of a degree that packets are apart at most, however they are lost or swapped on the way, for the direction of turning to be
 /// read from them. Packets of known sensors cover up to 4 degrees.
@@ -28,6 +29,7 @@ pub fn boundary(maker: Maker) -> Box<dyn Boundary> {
             number: None,
         }),
         Maker::Livox => Box::new(Livox { begun_ns: None }),
+        Maker::Ouster => Box::new(Ouster { turns: [None; 2] }),
     }
 }
 
@@ -46,6 +48,25 @@ impl Boundary for RoboSense {
         let number = robosense_solid::number(bytes)?;
         let before = self.number.replace(number);
         Some(before.is_some_and(|before| number < before))
+    }
+}
+
+/// An Ouster, whose packets say to which turn they belong.
+struct Ouster {
+    /// The turn before the last packet's, and that one.
+    turns: [Option<u64>; 2],
+}
+
+impl Boundary for Ouster {
+    fn begins(&mut self, bytes: &[u8]) -> Option<bool> {
+        let turn = ouster::turn(bytes)?;
+        let [before, now] = self.turns;
+        // A packet that was overtaken on the way is of the turn before.
+        if now == Some(turn) || before == Some(turn) {
+            return Some(false);
+        }
+        self.turns = [now, Some(turn)];
+        Some(now.is_some())
     }
 }
 

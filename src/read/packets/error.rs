@@ -72,6 +72,10 @@ pub enum PacketError {
         /// The model of those before.
         before: &'static str,
     },
+    /// No metadata of the sensor (Ouster) is known.
+    NoMetadata,
+    /// The metadata, or a packet by it, is refused: why.
+    Other(String),
 }
 
 impl fmt::Display for PacketError {
@@ -99,6 +103,11 @@ impl fmt::Display for PacketError {
             ),
             Self::Time { model } => write!(f, "a packet of a {model} whose time is no time"),
             Self::Mixed { model, before } => write!(f, "a packet of a {model} among those of a {before}"),
+            Self::NoMetadata => write!(
+                f,
+                "packets of an Ouster without its metadata: record its topic, or put its JSON file beside the recording"
+            ),
+            Self::Other(ref reason) => f.write_str(reason),
         }
     }
 }

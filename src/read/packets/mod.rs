@@ -4,6 +4,8 @@
 //! Livox. Hesai's driver keeps the sensor's own axes: azimuth 0 is +y, azimuth 90° is +x. Azimuths run clockwise seen from
 //! above.
 
+use std::borrow::Cow;
+
 mod boundary;
 mod bytes;
 mod date;
@@ -12,11 +14,11 @@ mod hesai;
 mod hesai_models;
 mod hesai_tables;
 mod livox;
+mod ouster;
 mod robosense;
 mod robosense_models;
 mod robosense_solid;
 mod robosense_tables;
-mod sender;
 mod turn;
 mod unit;
 mod velodyne;
@@ -34,9 +36,8 @@ mod velodyne_tests;
 
 pub use boundary::{Boundary, boundary};
 pub use error::PacketError;
-pub use robosense::is_info as describes_sensor;
-pub use sender::Sender;
-pub use unit::Unit;
+pub use ouster::STORED;
+pub use unit::{Unit, describes_sensor};
 
 /// Whose packets these are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,6 +50,8 @@ pub enum Maker {
     RoboSense,
     /// Livox: what they have in common, for their packets do not name the model.
     Livox,
+    /// Ouster: OS0, OS1, OS2, OSDome; the packets hold no angles, which are in the metadata of the sensor.
+    Ouster,
 }
 
 impl Maker {
@@ -59,6 +62,7 @@ impl Maker {
             Self::Hesai => "Hesai",
             Self::RoboSense => "RoboSense",
             Self::Livox => "Livox",
+            Self::Ouster => "Ouster",
         }
     }
 
@@ -74,8 +78,10 @@ impl Maker {
             })
         } else if robosense::is_robosense(bytes) {
             Some(Self::RoboSense)
+        } else if livox::is_livox(bytes) {
+            Some(Self::Livox)
         } else {
-            livox::is_livox(bytes).then_some(Self::Livox)
+            ouster::is_ouster(bytes).then_some(Self::Ouster)
         }
     }
 }
@@ -111,7 +117,7 @@ pub struct Return {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
     /// "VLP-16", "Pandar40P", ...
-    pub model: &'static str,
+    pub model: Cow<'static, str>,
     /// Time of the first decoded packet, nanoseconds since 1970. Hesai, `RoboSense`: by the sensor's own clock and date, also
     /// where that clock was never set. Livox: by the sensor's clock where it is synchronised, else as Velodyne. Velodyne: by the sensor's clock within the hour where it agrees with the host's clock, else by
     /// the host's `received_ns`; None where that is unknown.
@@ -143,11 +149,14 @@ pub fn decode_with<'p>(
     packets: impl Iterator<Item = Packet<'p>>,
     unit: &Unit,
 ) -> Result<Scan, PacketError> {
+    // What describes the sensor was taken in.
+    let packets = packets.filter(|packet| !describes_sensor(packet.bytes));
     match maker {
         Maker::Velodyne => collect(packets, velodyne::Decoder::default()),
         Maker::Hesai => collect(packets, hesai::Decoder::default()),
         Maker::RoboSense => collect(packets, robosense::Decoder::new(unit)),
         Maker::Livox => collect(packets, livox::Decoder::default()),
+        Maker::Ouster => ouster::decode(packets, unit),
     }
 }
 
@@ -171,7 +180,7 @@ fn collect<'p>(packets: impl Iterator<Item = Packet<'p>>, mut decoder: impl Deco
     }
     match decoder.identity() {
         Some((model, start_ns)) => Ok(Scan {
-            model,
+            model: Cow::Borrowed(model),
             start_ns,
             returns,
             refused,

@@ -54,9 +54,6 @@ impl<'u> Decoder<'u> {
 impl Decode for Decoder<'_> {
     fn packet(&mut self, packet: &Packet<'_>, returns: &mut Vec<Return>) -> Result<(), PacketError> {
         let bytes = packet.bytes;
-        if is_info(bytes) {
-            return Ok(());
-        }
         if is_solid(bytes) {
             let time_ns = robosense_solid::time_ns(bytes)?;
             let after_ns = self.after(robosense_solid::NAME, time_ns)?;

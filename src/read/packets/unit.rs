@@ -1,24 +1,42 @@
-//! What is known of one sensor besides the packets of a scan: a packet that tells the angles of its beams.
+//! What is known of one sensor besides the packets of a scan: a packet that tells the angles of its beams, or its metadata.
 
-use super::robosense;
+use super::{PacketError, robosense};
+use crate::read::ouster::Metadata;
 
-/// One sensor, as far as its own packets describe it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// One sensor, as far as it is described.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unit {
-    /// The last packet that describes the sensor (RoboSense: DIFOP), empty where none was seen.
+    /// The last packet or text that describes the sensor (RoboSense: DIFOP; Ouster: metadata), empty where none was seen.
     info: Vec<u8>,
+    /// What that text says.
+    metadata: Option<Result<Metadata, PacketError>>,
 }
 
 impl Unit {
-    /// Keeps a packet that describes the sensor; the others change nothing.
+    /// Keeps a packet or text that describes the sensor; the others change nothing.
     pub fn take(&mut self, packet: &[u8]) {
-        if robosense::is_info(packet) && self.info != packet {
-            packet.clone_into(&mut self.info);
+        if !describes_sensor(packet) || self.info == packet {
+            return;
         }
+        packet.clone_into(&mut self.info);
+        let text = std::str::from_utf8(packet).ok().filter(|text| text.starts_with('{'));
+        self.metadata =
+            text.map(|text| Metadata::parse(text).map_err(|error| PacketError::Other(format!("metadata: {error}"))));
     }
 
     /// The packet that describes the sensor.
     pub(super) fn info(&self) -> Option<&[u8]> {
         (!self.info.is_empty()).then_some(&self.info)
     }
+
+    /// The metadata of an Ouster.
+    pub(super) fn metadata(&self) -> Result<&Metadata, PacketError> {
+        let metadata = self.metadata.as_ref().ok_or(PacketError::NoMetadata)?;
+        metadata.as_ref().map_err(Clone::clone)
+    }
+}
+
+/// Whether a packet has no points, but describes its sensor for the decoding of others; a text is in the place of a packet.
+pub fn describes_sensor(packet: &[u8]) -> bool {
+    robosense::is_info(packet) || packet.starts_with(b"{")
 }

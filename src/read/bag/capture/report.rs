@@ -35,11 +35,6 @@ impl Pass<'_, '_> {
         for line in self.losses.lines(self.tape.total) {
             report(line, HELP);
         }
-        for topic in &self.senders.ouster {
-            let message =
-                format!("`{topic}` has packets of Ouster, which are not decoded without the metadata of the sensor");
-            report(message, "record the clouds of the driver, with the metadata on a topic");
-        }
         if let Some(link) = self.counts.strange_link {
             let message = format!("packets of the link type {link} are not read");
             report(message, "capture on an Ethernet interface");
@@ -49,10 +44,12 @@ impl Pass<'_, '_> {
             let of = self.counts.packets;
             report(format!("{broken} of {of} packets are cut or damaged"), HELP);
         }
-        if read == 0 && self.senders.ouster.is_empty() {
+        if read == 0 {
             let message = match self.counts.packets {
                 0 => "the capture has no packets".to_owned(),
-                packets => format!("none of its {packets} packets is of a lidar that is decoded (Velodyne, Hesai)"),
+                packets => format!(
+                    "none of its {packets} packets is of a lidar that is decoded (Velodyne, Hesai, RoboSense, Livox, Ouster)"
+                ),
             };
             report(message, "capture the interface that the lidar is connected to");
         }

@@ -2,13 +2,15 @@
 //!
 //! Owns the names of topics: `/udp/` with the address of the sender and the port that it sends to.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
 use crate::read::bag::{Channel, Message, Visit};
-use crate::read::messages::assembled::CaptureMessage;
-use crate::read::packets::{Maker, Sender, describes_sensor};
+use crate::read::messages::assembled::MadeMessage;
+use crate::read::messages::packets::ASSEMBLED;
+use crate::read::ouster::may_be_imu;
+use crate::read::packets::{Maker, boundary, describes_sensor};
 
 use super::network::Datagram;
 
@@ -32,14 +34,12 @@ enum Kind {
 pub(super) struct Senders<'v> {
     pub(super) visit: &'v mut dyn Visit,
     known: BTreeMap<Key, Kind>,
-    message: CaptureMessage,
+    message: MadeMessage,
     channels: usize,
     /// Messages that were passed on.
     pub(super) messages: u64,
     /// Datagrams that are not of a lidar.
     pub(super) others: u64,
-    /// Senders of packets of Ouster, by their topics.
-    pub(super) ouster: BTreeSet<String>,
 }
 
 impl<'v> Senders<'v> {
@@ -47,11 +47,10 @@ impl<'v> Senders<'v> {
         Self {
             visit,
             known: BTreeMap::new(),
-            message: CaptureMessage::default(),
+            message: MadeMessage::default(),
             channels: 0,
             messages: 0,
             others: 0,
-            ouster: BTreeSet::new(),
         }
     }
 
@@ -76,20 +75,28 @@ impl<'v> Senders<'v> {
             self.others += 1;
             return;
         }
+        // An Ouster sends what its IMU measures from the same address.
+        let is_imu = may_be_imu(data)
+            && self
+                .known
+                .iter()
+                .any(|(known, kind)| known.0 == source && matches!(kind, Kind::Lidar(_)));
         let kind = self.known.entry(key).or_insert(Kind::Unknown(0));
         if let Kind::Unknown(in_a_row) = kind {
-            let sender = Sender::of(data);
-            let is_maker = Maker::of(data).is_some();
+            let maker = Maker::of(data);
+            let is_maker = maker.is_some();
+            let is_known = maker.is_some_and(|maker| boundary(maker).begins(data).is_some());
             *in_a_row = if is_maker { *in_a_row + 1 } else { 0 };
             let topic = || format!("/udp/{}", SocketAddr::new(source, port));
-            let announced = if matches!(sender, Some(Sender::Decoded(_))) || *in_a_row >= IN_A_ROW {
-                Kind::Lidar(channel(self.channels, topic(), "udp_msgs/msg/UdpPacket"))
+            let announced = if is_known || is_imu || *in_a_row >= IN_A_ROW {
+                Kind::Lidar(channel(self.channels, topic(), "udp_msgs/msg/UdpPacket", "cdr"))
             } else if sentence(data).is_some() {
-                Kind::Nmea(channel(self.channels, topic(), "nmea_msgs/msg/Sentence"), String::new())
+                Kind::Nmea(
+                    channel(self.channels, topic(), "nmea_msgs/msg/Sentence", ASSEMBLED),
+                    String::new(),
+                )
             } else {
-                if sender == Some(Sender::Ouster) && self.ouster.len() < MAX_SENDERS {
-                    self.ouster.insert(topic());
-                } else if !is_maker {
+                if !is_maker {
                     self.others += 1;
                 }
                 return;
@@ -120,14 +127,14 @@ impl<'v> Senders<'v> {
     }
 }
 
-fn channel(number: usize, topic: String, message_type: &str) -> Channel {
+fn channel(number: usize, topic: String, message_type: &str, encoding: &str) -> Channel {
     Channel {
         number,
         topic,
         message_type: message_type.to_owned(),
         schema: Arc::from([]),
         schema_encoding: String::new(),
-        message_encoding: "cdr".to_owned(),
+        message_encoding: encoding.to_owned(),
         metadata: BTreeMap::new(),
         writer: None,
         latched: false,

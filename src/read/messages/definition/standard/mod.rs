@@ -24,6 +24,7 @@ pub(super) const PACKAGES: &[&str] = &[
     include_str!("nav_msgs.msgs"),
     include_str!("nebula_msgs.msgs"),
     include_str!("nmea_msgs.msgs"),
+    include_str!("ouster_msgs.msgs"),
     include_str!("pandar_msgs.msgs"),
     include_str!("pcl_msgs.msgs"),
     include_str!("radar_msgs.msgs"),
