@@ -102,6 +102,7 @@ fn world(members: Vec<Member>) -> World {
         world.absorb(member.facts);
     }
     world.name_sensors(&channels);
+    world.name_frames_of_packets();
     world
 }
 

@@ -149,6 +149,12 @@ pub struct Lidar {
     /// Whether it does so only if that is switched on.
     #[serde(default)]
     pub transform_by_setting: bool,
+    /// The frame of the clouds of its driver, by the driver's default, if packets state none.
+    #[serde(default)]
+    pub frame: Option<String>,
+    /// That of its own IMU.
+    #[serde(default)]
+    pub imu_frame: Option<String>,
     /// Message types of packets with its points.
     #[serde(default)]
     pub packets: Vec<String>,

@@ -29,6 +29,7 @@ pub mod rigid;
 pub mod robot;
 pub mod tf2;
 pub mod transform_name;
+mod unstated;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
