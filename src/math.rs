@@ -26,6 +26,7 @@ pub mod planar_hand_eye;
 pub mod readings;
 pub mod regress;
 pub mod relation;
+pub mod relief;
 pub mod rest;
 pub mod rotation;
 pub mod scan_match;

@@ -63,6 +63,8 @@ pub enum SourceKind {
     Pcap,
     /// An OSF file: scans of Ouster's sensors.
     Osf,
+    /// A point cloud: PCD, PLY, LAS or LAZ.
+    Points,
     /// The configuration of frames-lint itself.
     Configuration,
     /// A file named by the user, or known by its name, that no reader handles.
@@ -88,6 +90,7 @@ impl SourceKind {
             Self::Rosbag2 => "rosbag2",
             Self::Pcap => "pcap",
             Self::Osf => "osf",
+            Self::Points => "points",
             Self::Configuration => "configuration",
             Self::Unsupported => "unsupported",
         }

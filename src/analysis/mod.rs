@@ -23,6 +23,7 @@ pub(crate) mod optical;
 pub(crate) mod ouster;
 pub(crate) mod pairs;
 pub(crate) mod places;
+pub(crate) mod point_files;
 pub(crate) mod promised;
 pub(crate) mod quat;
 pub(crate) mod radar;

@@ -15,7 +15,7 @@ use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::read::urdf::MeshLookup;
 use crate::read::xacro::Template;
-use crate::read::{code, feather, launch, text, urdf, xacro, xacro_parts};
+use crate::read::{code, feather, launch, points, text, urdf, xacro, xacro_parts};
 use crate::source::{Coverage, Derivation, ExpansionPart, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::tables::Tables;
 use crate::world::Facts;
@@ -286,6 +286,7 @@ impl Reader<'_> {
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<ExtractedText>) -> Facts {
         match input.kind {
             kind if kind.is_bag() => self.read_recording(input, source, index, emerged),
+            SourceKind::Points => read_points(input, source),
             SourceKind::Unsupported => {
                 source.problem(
                     ReadStatus::Unreadable,
@@ -384,6 +385,17 @@ impl Reader<'_> {
                 failure.report(source);
                 xacro::read_unexpanded(source, &lookup)
             }
+        }
+    }
+}
+
+fn read_points(input: &Input, source: &mut Source) -> Facts {
+    match fs::File::open(&input.path) {
+        Ok(file) => points::read(file, source),
+        Err(error) => {
+            let why = format!("cannot be read: {error}");
+            source.problem(ReadStatus::Unreadable, Place::whole(source.id), why);
+            Facts::default()
         }
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use ignore::WalkBuilder;
 
 use crate::read::calibration::plain;
-use crate::read::{code, feather, launch, text};
+use crate::read::{code, feather, launch, points, text};
 use crate::source::SourceKind;
 
 use super::bag::{Container, metadata};
@@ -120,6 +120,9 @@ fn once(files: &mut Vec<Input>) {
     *files = unique;
 }
 
+/// Clouds of a folder that are read.
+const MAX_CLOUDS: usize = 5;
+
 /// The group of files that were named one by one.
 const LOOSE: usize = 0;
 
@@ -145,8 +148,8 @@ fn named_file(path: &Path, wanted: FileSelection) -> Input {
             None => {
                 input.refusal = Some(unread_format(path).map_or_else(
                     || {
-                        "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP, ROS 1 bags, rosbag2, \
-                         pcap)"
+                        "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP, ROS 1 bags, rosbag2, pcap, \
+                         OSF, PCD, PLY, LAS)"
                             .to_owned()
                     },
                     str::to_owned,
@@ -197,6 +200,7 @@ fn walk(root: &Path, group: usize, wanted: FileSelection, inputs: &mut Inputs) {
         }
         met_file(path, root, group, inputs);
     }
+    thin_clouds(before, inputs);
     if inputs.files.len() == before {
         inputs.files.push(unusable(
             root,
@@ -204,6 +208,33 @@ fn walk(root: &Path, group: usize, wanted: FileSelection, inputs: &mut Inputs) {
             "the folder contains no file that frames-lint reads".to_owned(),
         ));
     }
+}
+
+/// Keeps some of the clouds of each folder that has many of them: scans of a recording, or tiles of a map. The others are counted.
+fn thin_clouds(from: usize, inputs: &mut Inputs) {
+    let is_cloud = |input: &Input| input.kind == SourceKind::Points && input.refusal.is_none();
+    let folder = |input: &Input| input.path.parent().map(Path::to_path_buf);
+    let mut counts: BTreeMap<Option<PathBuf>, usize> = BTreeMap::new();
+    let clouds = inputs.files.iter().skip(from).filter(|input| is_cloud(input));
+    clouds.for_each(|input| *counts.entry(folder(input)).or_default() += 1);
+    let (mut at, mut seen) = (0, BTreeMap::<Option<PathBuf>, usize>::new());
+    let skipped = &mut inputs.skipped;
+    inputs.files.retain(|input| {
+        at += 1;
+        if at <= from || !is_cloud(input) {
+            return true;
+        }
+        let count = counts.get(&folder(input)).copied().unwrap_or_default();
+        let index = seen.entry(folder(input)).or_default();
+        *index += 1;
+        // Evenly spread, the first and the last among them.
+        let step = |index: usize| index * (MAX_CLOUDS - 1) / count.saturating_sub(1).max(1);
+        let is_kept = count <= MAX_CLOUDS || *index == 1 || step(*index - 1) > step(*index - 2);
+        if !is_kept {
+            *skipped.entry(ending(&input.path)).or_default() += 1;
+        }
+        is_kept
+    });
 }
 
 /// A file of a folder.
@@ -304,6 +335,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "db3" | "db3.zstd" | "db3.zst" => SourceKind::Sqlite,
         "pcap" | "pcapng" | "cap" => SourceKind::Pcap,
         "osf" => SourceKind::Osf,
+        "pcd" | "las" | "laz" => SourceKind::Points,
         _ => return None,
     })
 }
@@ -323,6 +355,9 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
         Container::Capture => return Some(SourceKind::Pcap),
         Container::Osf => return Some(SourceKind::Osf),
         _ => {}
+    }
+    if head.starts_with(points::LAS_MAGIC) || (ending(path) == "ply" && points::is_ply_cloud(head)) {
+        return Some(SourceKind::Points);
     }
     let text = head_text(head);
     if path.file_name().is_some_and(|name| name == metadata::NAME)

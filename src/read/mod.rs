@@ -17,6 +17,7 @@ pub mod launch;
 pub mod messages;
 pub mod ouster;
 pub mod packets;
+pub mod points;
 mod recordings;
 pub mod scans;
 mod syntax;

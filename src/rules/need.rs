@@ -27,6 +27,10 @@ pub enum Need {
     CameraInfo,
     /// A recording.
     Bag,
+    /// A file of points.
+    Points,
+    /// A recording, or a file of points.
+    BagOrPoints,
     /// Any named frame.
     Frames,
 }
@@ -48,6 +52,8 @@ impl Need {
             Self::Calibration => world.claims.iter().any(has_file),
             Self::CameraInfo => !world.bags.is_empty() || !world.cameras.is_empty(),
             Self::Bag => !world.bags.is_empty(),
+            Self::Points => !world.point_files.is_empty(),
+            Self::BagOrPoints => !world.bags.is_empty() || !world.point_files.is_empty(),
             Self::Frames => !world.frames.is_empty(),
         }
     }
@@ -64,6 +70,7 @@ impl Need {
                 | Self::CalibrationOrBag
                 | Self::CameraInfo
                 | Self::Bag
+                | Self::BagOrPoints
         )
     }
 
@@ -84,6 +91,8 @@ impl Need {
             Self::Calibration => "no calibration file with transforms: needs one",
             Self::CameraInfo => "no recording and no camera_info file: needs one of them",
             Self::Bag => "no recording: needs an MCAP, rosbag2 or ROS 1 bag",
+            Self::Points => "no point cloud file: needs a PCD, PLY, LAS or LAZ",
+            Self::BagOrPoints => "no recording and no point cloud file: needs one of them",
             Self::Frames => "no frame names: needs a URDF, a calibration file or a recording",
         }
     }

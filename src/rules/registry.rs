@@ -48,6 +48,7 @@ macro_rules! registry {
                 ROT08 => angle_unit::AngleUnit,
                 ROT09 => truncated_literal::TruncatedLiteral,
                 ROT10 => rotation_error_budget::RotationErrorBudget as review,
+                ROT11 => pcd_viewpoint::PcdViewpoint,
             }
             #[doc = "AXES: axes and conventions, measured from motion."]
             axes {
@@ -67,6 +68,7 @@ macro_rules! registry {
                 AXES14 => map_z_up::MapZUp,
                 AXES15 => radar_doppler::RadarDoppler,
                 AXES16 => imu_mounting::ImuMountingRotation,
+                AXES17 => map_file_up::MapFileUp,
             }
             #[doc = "QUAT: the order and the algebra of quaternions, and the angles that they are computed from."]
             quat {
@@ -86,6 +88,8 @@ macro_rules! registry {
                 GEO06 => altitude_datum::AltitudeDatum,
                 GEO07 => origin_consistency::OriginConsistency as across,
                 GEO08 => antenna_mounting::AntennaMounting,
+                GEO09 => point_file_crs::PointFileCrs,
+                GEO10 => point_file_origin::PointFileOrigin,
             }
             #[doc = "TIME: stamps, clocks and their offsets."]
             time {
@@ -189,6 +193,7 @@ macro_rules! registry {
                 PREC01 => float32_ulp::Float32Ulp,
                 PREC02 => point_time_precision::PointTimePrecision,
                 PREC03 => local_origin::LocalOrigin,
+                PREC04 => las_grid::LasGrid,
             }
             #[doc = "GATE: waivers, comments and baselines that have no effect, have expired, or are not understood."]
             gate {

@@ -21,6 +21,7 @@ pub mod motion;
 pub mod number;
 pub mod origin;
 pub mod ouster;
+pub mod point_file;
 pub mod projection;
 pub mod qos;
 pub mod radar;
@@ -51,6 +52,7 @@ pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::{EarthOrigin, LocalOrigin, OriginSource};
 pub use ouster::OusterMetadata;
+pub use point_file::PointFile;
 pub use projection::Projection;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
@@ -113,6 +115,9 @@ pub struct World {
     /// Time offsets between cameras and IMUs that files state.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub delays: Vec<StatedDelay>,
+    /// Files of point clouds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub point_files: Vec<PointFile>,
     /// Files whose quaternions are, or may be, of JPL's algebra, with the evidence for it.
     #[serde(default)]
     pub jpl: Vec<SourceValue<String>>,
@@ -165,6 +170,8 @@ pub struct Facts {
     pub drives: Vec<LocalizationSettings>,
     /// Time offsets between cameras and IMUs that a file states.
     pub delays: Vec<StatedDelay>,
+    /// The file, if it is one of points.
+    pub point_files: Vec<PointFile>,
     /// The file, where its quaternions are, or may be, of JPL's algebra, with the evidence for it.
     pub jpl: Vec<SourceValue<String>>,
 }
@@ -180,6 +187,7 @@ impl Facts {
         let edges: usize = self.bags.iter().map(|bag| bag.tf.len()).sum();
         let links: usize = self.robots.iter().map(|robot| robot.links.len()).sum();
         let joints: usize = self.robots.iter().map(|robot| robot.joints.len()).sum();
+        let points: u64 = self.point_files.iter().map(|file| file.stated).sum();
         let is_wrong = |why: &ReadObstacle| matches!(why, ReadObstacle::Misread(_));
         let unread = self.publishers.iter().filter_map(|publisher| publisher.unread.as_ref());
         let (wrong, open): (Vec<_>, Vec<_>) = unread.partition(|why| is_wrong(why));
@@ -204,6 +212,7 @@ impl Facts {
             (self.drives.len(), "controller that publishes odometry"),
             (self.delays.len(), "offset of camera stamps"),
             (self.references.len(), "reference to a calibration file"),
+            (usize::try_from(points).unwrap_or(usize::MAX), "point"),
         ];
         let words = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
             match (count, word.split_once(' ')) {
@@ -309,6 +318,7 @@ impl World {
             localizations: kept(&self.localizations, of_node),
             drives: kept(&self.drives, of_node),
             delays: kept(&self.delays, |one| at(&one.place)),
+            point_files: kept(&self.point_files, |one| at(&one.place)),
             jpl: kept(&self.jpl, |one| at(&one.place)),
             made: Cache::default(),
         }
@@ -331,6 +341,7 @@ impl World {
         self.localizations.extend(facts.localizations);
         self.drives.extend(facts.drives);
         self.delays.extend(facts.delays);
+        self.point_files.extend(facts.point_files);
         self.jpl.extend(facts.jpl);
         self.made = Cache::default();
     }

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::support::point_files::PointsRecipe;
 use crate::support::{self, deference};
 use crate::{evidence, fixes, views};
 use frames_lint::engine::{self, Options, Retention, VerdictScope};
@@ -72,6 +73,8 @@ pub(crate) fn laid_out(case: &Case<'_>) -> tempfile::TempDir {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         if block.language == "recipe" {
             support::write(block.text, &path);
+        } else if block.language == "cloud" {
+            PointsRecipe::parse(block.text).write(&path);
         } else {
             fs::write(&path, block.text).unwrap();
         }

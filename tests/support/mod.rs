@@ -33,6 +33,7 @@ pub mod heard;
 pub mod motion;
 pub mod packets;
 pub mod page;
+pub mod point_files;
 pub mod program;
 pub mod radars;
 pub mod raw;

@@ -62,6 +62,13 @@ struct Unit {
     kinds: Kinds,
 }
 
+impl Unit {
+    /// Whether it is a file of points.
+    fn is_cloud(&self) -> bool {
+        self.members.iter().any(|member| !member.facts.point_files.is_empty())
+    }
+}
+
 /// What a platform may be split by: folders with descriptions, with statements of transforms, with recordings.
 #[derive(Clone, Copy, Default)]
 struct Kinds {
@@ -315,9 +322,16 @@ fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path
     let (mut clusters, alone) = distributed(units, (&anchors, empty), recorded, (root, AnchorKind::Recordings));
     clusters.members.retain(|members| !members.is_empty());
     let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
-    for unit in alone {
+    let (clouds, others): (Vec<_>, Vec<_>) = alone.into_iter().partition(Unit::is_cloud);
+    for unit in others {
         let whole = packages::whole_of(&unit.dir, root);
         folders.entry(whole).or_default().extend(unit.members);
+    }
+    // Tiles of a map are below the folder with its origin.
+    for unit in clouds {
+        let mut above = unit.dir.ancestors().take_while(|folder| folder.starts_with(root));
+        let home = above.find(|folder| folders.contains_key(*folder)).unwrap_or(root);
+        folders.entry(home.to_path_buf()).or_default().extend(unit.members);
     }
     clusters.members.extend(folders.into_values());
     clusters

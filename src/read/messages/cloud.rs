@@ -81,6 +81,16 @@ impl Datatype {
         })
     }
 
+    /// Its size.
+    pub fn bytes(self) -> u32 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
     /// How it is written in reports.
     pub fn word(self) -> &'static str {
         match self {
@@ -105,6 +115,15 @@ pub struct Column {
 }
 
 impl Column {
+    /// A number at this byte of a point.
+    pub fn new(offset: usize, datatype: Datatype, is_bigendian: bool) -> Self {
+        Self {
+            offset,
+            datatype,
+            is_bigendian,
+        }
+    }
+
     /// The number in these bytes of a point; `None` where they end before it.
     pub fn of(self, point: &[u8]) -> Option<f64> {
         let bytes = point.get(self.offset..)?;

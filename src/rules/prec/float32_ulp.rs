@@ -1,5 +1,7 @@
 //! PREC01: coordinates that are too large for float32.
 
+mod files;
+
 use crate::analysis::lidar::Clouds;
 use crate::analysis::single_precision::{single, step_of_single};
 use crate::rules::prelude::*;
@@ -15,15 +17,29 @@ pub(crate) struct Limits {
 }
 
 impl Rule for Float32Ulp {
-    const NEEDS: &'static [Need] = &[Need::Bag];
+    const NEEDS: &'static [Need] = &[Need::BagOrPoints];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::published(world) {
             judge_clouds(&clouds, limits, out);
         }
+        files::judge(world, limits, out);
     }
 }
+
+impl Limits {
+    fn severity(&self, step_m: f64) -> Severity {
+        if step_m >= self.error_m {
+            Severity::Error
+        } else {
+            Severity::Warning
+        }
+    }
+}
+
+const CONVERTED: &str =
+    "The coordinates are float64, but all values are float32 numbers: they were converted from float32.";
 
 fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("coordinates of the points");
@@ -64,16 +80,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     if step_m < limits.warning_m {
         return out.pass(subject, measured);
     }
-    let severity = if step_m >= limits.error_m {
-        Severity::Error
-    } else {
-        Severity::Warning
-    };
-    let detail = if is_single {
-        ""
-    } else {
-        "The coordinates are float64, but all values are float32 numbers: they were converted from float32."
-    };
+    let detail = if is_single { "" } else { CONVERTED };
     let message = format!(
         "`{}`: points are up to {:.1} km from the origin, where float32 has steps of {:.0} mm",
         clouds.topic.topic,
@@ -81,7 +88,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         step_m * 1e3
     );
     let finding = Finding::new(
-        severity,
+        limits.severity(step_m),
         subject,
         message,
         Place::message(clouds.bag.source, at.clone()),
