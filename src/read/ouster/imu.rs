@@ -1,6 +1,6 @@
 //! The sensor's own IMU: packets of both layouts decoded into measurements.
 //!
-//! Frame: the IMU's, which [`Metadata::imu_to_sensor`] places in the sensor frame. Source: ouster-sdk,
+//! Frame: the IMU's. Source: ouster-sdk,
 //! `ouster_core/src/parsing.cpp` and `packet.cpp`; Ouster's firmware user manual, chapter on IMU data packets.
 
 use super::packet::heads;
@@ -21,16 +21,10 @@ const MEASUREMENT_BYTES: usize = 36;
 pub struct Imu {
     /// Nanoseconds by the sensor's clock; of "LEGACY", when the gyroscope was read.
     pub timestamp_ns: u64,
-    /// When the accelerometer was read; of newer layouts, the same.
-    pub acceleration_ns: u64,
     /// m/s²; at rest, upwards.
     pub acceleration: [f64; 3],
     /// rad/s.
     pub angular_rate: [f64; 3],
-    /// The acceleration in g.
-    pub acceleration_g: [f64; 3],
-    /// The angular rate in degrees a second.
-    pub angular_rate_deg: [f64; 3],
 }
 
 impl Imu {
@@ -38,11 +32,8 @@ impl Imu {
     pub(crate) fn new(timestamp_ns: u64, [acceleration, angular_rate]: [[f64; 3]; 2]) -> Self {
         Self {
             timestamp_ns,
-            acceleration_ns: timestamp_ns,
             acceleration,
             angular_rate,
-            acceleration_g: acceleration.map(|x| x / GRAVITY),
-            angular_rate_deg: angular_rate.map(f64::to_degrees),
         }
     }
 }
@@ -80,12 +71,9 @@ pub fn imu(metadata: &Metadata, bytes: &[u8]) -> Result<Vec<Imu>, OusterError> {
     if profile == LEGACY {
         let [acceleration_g, angular_rate_deg] = vectors(bytes, 24).ok_or_else(|| length.clone())?;
         return Ok(vec![Imu {
-            timestamp_ns: time(bytes, 16).ok_or_else(|| length.clone())?,
-            acceleration_ns: time(bytes, 8).ok_or(length)?,
+            timestamp_ns: time(bytes, 16).ok_or(length)?,
             acceleration: acceleration_g.map(|x| x * GRAVITY),
             angular_rate: angular_rate_deg.map(f64::to_radians),
-            acceleration_g,
-            angular_rate_deg,
         }]);
     }
     heads.check(metadata, TYPE, bytes)?;

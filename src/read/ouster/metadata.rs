@@ -18,9 +18,6 @@ pub type Matrix = [f64; 16];
 
 /// The section on packets, which flat metadata calls "data_format".
 const FORMAT: &str = "lidar_data_format";
-const IMU_TO_SENSOR: Matrix = [
-    1., 0., 0., 6.253, 0., 1., 0., -11.775, 0., 0., 1., 7.645, 0., 0., 0., 1.,
-];
 const LIDAR_TO_SENSOR: Matrix = [-1., 0., 0., 0., 0., -1., 0., 0., 0., 0., 1., 36.18, 0., 0., 0., 1.];
 pub(crate) const IDENTITY: Matrix = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
@@ -35,18 +32,12 @@ pub struct Metadata {
     pub product_line: String,
     /// The serial number; 0 where not stated.
     pub serial: u64,
-    /// The firmware's version as the sensor names it: "v2.3.0"; empty where not stated.
-    pub firmware: String,
-    /// The number of the sensor's last start; 0 where not stated.
-    pub init_id: u32,
     /// Columns of a whole turn.
     pub columns_per_frame: u16,
     /// Columns of a lidar packet.
     pub columns_per_packet: u16,
     /// Pixels of a column, which are the beams.
     pub pixels_per_column: u16,
-    /// First and last column that is measured; the first may be behind the last.
-    pub column_window: (u16, u16),
     /// Columns by which each row of an image is to be moved so that it shows what the eye sees.
     pub pixel_shift_by_row: Vec<i32>,
     /// Azimuth of each row's beam, degrees, clockwise seen from above; of sensors without rotation, of each pixel, row by
@@ -60,10 +51,6 @@ pub struct Metadata {
     pub beam_to_lidar: Matrix,
     /// The lidar frame in the sensor frame.
     pub lidar_to_sensor: Matrix,
-    /// The IMU in the sensor frame.
-    pub imu_to_sensor: Matrix,
-    /// The sensor in the frame of the body that carries it, as ouster-sdk keeps it; translation in metres.
-    pub sensor_to_body: Matrix,
     /// The layout of lidar packets: "RNG19_RFL8_SIG16_NIR16".
     pub lidar_profile: String,
     /// The layout of IMU packets: "LEGACY".
@@ -76,11 +63,6 @@ pub struct Metadata {
     pub lidar_port: Option<u16>,
     /// The UDP port of IMU packets.
     pub imu_port: Option<u16>,
-    /// The setting `lidar_frame_azimuth_offset`, millidegrees counterclockwise: where the turn starts, and with it the lidar
-    /// frame. As in ouster-sdk it is not applied to points; whether `lidar_to_sensor` has it in it is not documented.
-    pub azimuth_offset_mdeg: u32,
-    /// Turns a second.
-    pub fps: Option<u16>,
 }
 
 /// The metadata's values, wherever its generation keeps them.
@@ -110,12 +92,6 @@ impl Keys {
             .and_then(whole)
             .map(|found| bounded(key, found, least, most))
             .transpose()
-    }
-
-    fn large(&self, section: &str, key: &str) -> u32 {
-        self.get(section, key)
-            .and_then(|v| u32::try_from(whole(v)?).ok())
-            .unwrap_or_default()
     }
 
     fn numbers(&self, section: &str, key: &str) -> Option<Vec<f64>> {
@@ -205,7 +181,6 @@ impl Metadata {
                 .to_owned()
         };
         let product_line = keys.text(info, "prod_line");
-        let (build, image) = (keys.text(info, "build_rev"), keys.text(info, "image_rev"));
         let mode = mode(&keys.text(config, "lidar_mode"));
         let columns_per_frame = columns(&keys, mode)?;
         let (azimuth_deg, altitude_deg) = (
@@ -241,15 +216,7 @@ impl Metadata {
         let lidar_profile = profile("udp_profile_lidar");
         Ok(Self {
             serial: keys.get(info, "prod_sn").and_then(whole).unwrap_or_default(),
-            firmware: if build.is_empty() { image } else { build },
-            init_id: keys.large(info, "initialization_id"),
             columns_per_packet: keys.small(format, "columns_per_packet", 1, 512)?.unwrap_or(16),
-            column_window: keys
-                .numbers(format, "column_window")
-                .and_then(|window| <[f64; 2]>::try_from(window).ok())
-                .map_or((0, columns_per_frame - 1), |[first, last]| {
-                    (column(first), column(last))
-                }),
             pixel_shift_by_row: shifts(&keys, pixels_per_column.into(), mode),
             beam_to_lidar: keys
                 .matrix(beam, "beam_to_lidar_transform")
@@ -257,18 +224,12 @@ impl Metadata {
             lidar_to_sensor: keys
                 .matrix("lidar_intrinsics", "lidar_to_sensor_transform")
                 .unwrap_or(LIDAR_TO_SENSOR),
-            imu_to_sensor: keys
-                .matrix("imu_intrinsics", "imu_to_sensor_transform")
-                .unwrap_or(IMU_TO_SENSOR),
-            sensor_to_body: keys.matrix("ouster-sdk", "extrinsic").unwrap_or(IDENTITY),
             imu_profile: profile("udp_profile_imu"),
             imu_measurements_per_packet: keys
                 .small("imu_data_format", "imu_measurements_per_packet", 0, 1024)?
                 .unwrap_or_default(),
             lidar_port: keys.small(config, "udp_port_lidar", 0, u16::MAX)?,
             imu_port: keys.small(config, "udp_port_imu", 0, u16::MAX)?,
-            azimuth_offset_mdeg: keys.large(config, "lidar_frame_azimuth_offset"),
-            fps: keys.small(format, "fps", 0, u16::MAX)?.or(mode.map(|m| m.1)),
             safety_header: match keys.text(format, "header_type").as_str() {
                 "" => lidar_profile == "FUSA_RNG15_RFL8_NIR8_DUAL",
                 text => text == "FUSA",
@@ -320,10 +281,6 @@ fn rows(keys: &Keys, product_line: &str, angles: usize) -> Result<u16, OusterErr
     clippy::cast_sign_loss,
     reason = "the cast saturates"
 )]
-fn column(number: f64) -> u16 {
-    number as u16
-}
-
 /// A transform along x.
 fn shifted(x_mm: f64) -> Matrix {
     let mut matrix = IDENTITY;

@@ -3,7 +3,7 @@
 //! Source: ouster-sdk, `ouster_core/src/parsing.cpp`; Ouster's firmware user manual, chapter on lidar data packets.
 
 use super::profiles::{
-    ENCODER, FOOTER, HEADLESS, Heads, LEGACY, MEASUREMENT_ID, PROFILES, Profile, SAFETY, STANDARD, STATUS, TIMESTAMP,
+    FOOTER, HEADLESS, Heads, LEGACY, MEASUREMENT_ID, PROFILES, Profile, SAFETY, STANDARD, STATUS, TIMESTAMP,
 };
 use super::{Metadata, OusterError};
 
@@ -31,20 +31,8 @@ pub struct Header {
     pub packet_type: u16,
     /// The number of the turn; it starts again behind 65535, or 2³² − 1 in a header of functional safety.
     pub frame_id: u32,
-    /// The number of the sensor's last start.
-    pub init_id: u32,
     /// The sensor's serial number.
     pub serial: u64,
-    /// Bit 7: an alert is active; the others are the cursor into the list of alerts.
-    pub alert_flags: u8,
-    /// Seconds until the sensor shuts down because of heat.
-    pub shutdown_countdown: u8,
-    /// Seconds until the sensor limits its shots because of heat.
-    pub shot_limiting_countdown: u8,
-    /// 1 where the sensor is about to shut down.
-    pub shutdown: u8,
-    /// 1 where limiting is about to begin; above, how far it has gone.
-    pub shot_limiting: u8,
 }
 
 /// One column of a packet: what all beams measured at one angle of the encoder.
@@ -56,8 +44,6 @@ pub struct Column<'p> {
     pub measurement_id: u16,
     /// Status as sent, 16 bits; 32 in the profile "LEGACY".
     pub status: u32,
-    /// Ticks of the encoder, 90112 a turn; only in the profile "LEGACY".
-    pub encoder: Option<u32>,
     /// The pixels, from the highest beam down.
     pub pixels: &'p [u8],
 }
@@ -81,17 +67,10 @@ pub(super) fn heads(metadata: &Metadata) -> &'static Heads {
 impl Heads {
     /// The header of a packet; None where the packet ends within it.
     pub(super) fn read(&self, bytes: &[u8]) -> Option<Header> {
-        let byte = |bits: super::Bits| u8::try_from(bits.of(bytes)?).ok();
         Some(Header {
             packet_type: u16::try_from(self.packet_type.of(bytes)?).ok()?,
             frame_id: u32::try_from(self.frame_id.of(bytes)?).ok()?,
-            init_id: u32::try_from(self.init_id.of(bytes)?).ok()?,
             serial: self.serial.of(bytes)?,
-            alert_flags: byte(self.alert_flags)?,
-            shutdown_countdown: byte(self.shutdown_countdown)?,
-            shot_limiting_countdown: byte(self.shot_limiting_countdown)?,
-            shutdown: byte(self.shutdown)?,
-            shot_limiting: byte(self.shot_limiting)?,
         })
     }
 
@@ -200,16 +179,15 @@ impl Layout {
 fn column<'p>(heads: &Heads, rows: usize, bytes: &'p [u8]) -> Option<Column<'p>> {
     let (head, rest) = bytes.split_at_checked(heads.column_bytes)?;
     let (pixels, footer) = rest.split_at_checked(rows)?;
-    let (status, encoder) = if heads.footer_bytes > 0 {
-        (FOOTER.of(footer)?, Some(ENCODER.of(head)?))
+    let status = if heads.footer_bytes > 0 {
+        FOOTER.of(footer)?
     } else {
-        (STATUS.of(head)?, None)
+        STATUS.of(head)?
     };
     Some(Column {
         timestamp_ns: TIMESTAMP.of(head)?,
         measurement_id: u16::try_from(MEASUREMENT_ID.of(head)?).ok()?,
         status: u32::try_from(status).ok()?,
-        encoder: encoder.and_then(|ticks| u32::try_from(ticks).ok()),
         pixels,
     })
 }

@@ -124,13 +124,7 @@ pub(super) const PROFILES: [Profile; 13] = [
 pub(super) struct Heads {
     pub(super) packet_type: Bits,
     pub(super) frame_id: Bits,
-    pub(super) init_id: Bits,
     pub(super) serial: Bits,
-    pub(super) alert_flags: Bits,
-    pub(super) shutdown_countdown: Bits,
-    pub(super) shot_limiting_countdown: Bits,
-    pub(super) shutdown: Bits,
-    pub(super) shot_limiting: Bits,
     /// Bytes of the packet's header; its footer has as many.
     pub(super) packet_bytes: usize,
     pub(super) column_bytes: usize,
@@ -141,13 +135,7 @@ pub(super) struct Heads {
 pub(super) const STANDARD: Heads = Heads {
     packet_type: at(0, 16),
     frame_id: at(16, 16),
-    init_id: at(32, 24),
     serial: at(56, 40),
-    alert_flags: at(96, 8),
-    shutdown_countdown: at(128, 8),
-    shot_limiting_countdown: at(136, 8),
-    shutdown: at(144, 4),
-    shot_limiting: at(152, 4),
     packet_bytes: 32,
     column_bytes: 12,
     footer_bytes: 0,
@@ -156,9 +144,7 @@ pub(super) const STANDARD: Heads = Heads {
 /// The header of functional safety.
 pub(super) const SAFETY: Heads = Heads {
     packet_type: at(0, 8),
-    init_id: at(8, 24),
     frame_id: at(32, 32),
-    alert_flags: at(64, 8),
     serial: at(88, 40),
     ..STANDARD
 };
@@ -167,13 +153,7 @@ pub(super) const SAFETY: Heads = Heads {
 pub(super) const HEADLESS: Heads = Heads {
     packet_type: NONE,
     frame_id: at(80, 16),
-    init_id: NONE,
     serial: NONE,
-    alert_flags: NONE,
-    shutdown_countdown: NONE,
-    shot_limiting_countdown: NONE,
-    shutdown: NONE,
-    shot_limiting: NONE,
     packet_bytes: 0,
     column_bytes: 16,
     footer_bytes: 4,
@@ -185,7 +165,5 @@ pub(super) const TIMESTAMP: Bits = at(0, 64);
 pub(super) const MEASUREMENT_ID: Bits = at(64, 16);
 /// Of a column and of a measurement of the IMU: its lowest bit is set where it is valid.
 pub(super) const STATUS: Bits = at(80, 16);
-/// Of a column of the oldest layout: ticks of the encoder, 90112 a turn.
-pub(super) const ENCODER: Bits = at(96, 32);
 /// Of the footer of a column of the oldest layout: all bits are set where it is valid.
 pub(super) const FOOTER: Bits = at(0, 32);

@@ -75,10 +75,7 @@ fn packets_as_ouster_sdk_decodes_them() {
         [Some(1234), None, Some(1234), None]
     );
     let head = Layout::of(&metadata).unwrap().read(&metadata, &packets[0]).unwrap().0;
-    assert_eq!(
-        (head.packet_type, head.init_id, head.serial),
-        (1, 390_076, 122_246_000_293)
-    );
+    assert_eq!((head.packet_type, head.serial), (1, 122_246_000_293));
 }
 
 #[test]
@@ -93,9 +90,8 @@ fn measurements_of_both_imu_profiles() {
     let [one] = imu(&metadata, &bytes).unwrap()[..] else {
         panic!("one measurement")
     };
-    assert_eq!((one.acceleration_ns, one.timestamp_ns), (2, 3));
+    assert_eq!(one.timestamp_ns, 3);
     assert!((one.acceleration[2] - 9.80665).abs() < 1e-9 && (one.angular_rate[1] + TAU / 2.).abs() < 1e-9);
-    assert!((one.acceleration_g[2] - 1.).abs() < 1e-9 && (one.angular_rate_deg[1] + 180.).abs() < 1e-9);
     let text = imu(&metadata, &bytes[1..]).unwrap_err().to_string();
     assert_eq!(text, "a packet of 47 bytes; the profile LEGACY with 1 columns has 48");
     metadata.imu_profile = "OFF".into();
@@ -175,10 +171,7 @@ fn metadata_of_all_generations() {
         ),
         (2048, 16, 64)
     );
-    assert_eq!(
-        (first.column_window, first.fps, first.lidar_profile.as_str()),
-        ((0, 2047), Some(10), "LEGACY")
-    );
+    assert_eq!(first.lidar_profile.as_str(), "LEGACY");
     assert_eq!(first.pixel_shift_by_row[..5], [36, 24, 12, 0, 36]);
     assert!((first.origin_mm - 12.163).abs() < 1e-9 && (first.beam_to_lidar[3] - 12.163).abs() < 1e-9);
     assert_eq!(
@@ -190,10 +183,7 @@ fn metadata_of_all_generations() {
         r#", "lidar_mode": "512x20", "prod_line": "OS-0-32-BH02", "prod_sn": "99", "build_rev": "v2.0.0""#,
     );
     let flat = flat.unwrap();
-    assert_eq!(
-        (flat.serial, flat.firmware.as_str(), flat.pixels_per_column),
-        (99, "v2.0.0", 32)
-    );
+    assert_eq!((flat.serial, flat.pixels_per_column), (99, 32));
     assert!((flat.origin_mm - 27.67).abs() < 1e-9);
     for (text, error) in [
         ("[1]", "metadata that is no JSON object, seen at line 1, column 1"),

@@ -35,11 +35,8 @@ pub struct Index {
 pub struct Sensor {
     /// Its id within the file.
     pub id: u32,
-    /// Its metadata, for [`crate::ouster::Metadata::parse`].
+    /// Its metadata, for [`crate::read::ouster::Metadata::parse`].
     pub json: String,
-    /// The sensor in the frame of the body that carries it, where the file states it apart from the metadata: rows one after
-    /// the other.
-    pub extrinsics: Option<[f64; 16]>,
 }
 
 /// A stream of messages.
@@ -78,7 +75,7 @@ impl Index {
             end_ns: table.u64(2),
             ..Self::default()
         };
-        let (mut extrinsics, mut counts) = (HashMap::new(), HashMap::new());
+        let mut counts = HashMap::new();
         for entry in table.tables(4) {
             let (entry, kind) = entry
                 .and_then(|entry| Some((entry, entry.text(1)?)))
@@ -88,14 +85,7 @@ impl Index {
             match (kind.rsplit('/').next().unwrap_or_default(), content) {
                 ("LidarSensor", content) => {
                     let json = content.and_then(|c| c.text(0)).ok_or_else(damaged)?.to_owned();
-                    index.sensors.push(Sensor {
-                        id,
-                        json,
-                        extrinsics: None,
-                    });
-                }
-                ("Extrinsics", Some(content)) => {
-                    extrinsics.insert(content.u32(1), content.numbers(0, f64::from_le_bytes));
+                    index.sensors.push(Sensor { id, json });
                 }
                 ("StreamingInfo", Some(content)) => {
                     counts.extend(
@@ -109,9 +99,6 @@ impl Index {
                 (name, _) if name.contains("Stream") => index.stream(id, kind, None),
                 _ => {}
             }
-        }
-        for sensor in &mut index.sensors {
-            sensor.extrinsics = extrinsics.remove(&sensor.id).and_then(|matrix| matrix.try_into().ok());
         }
         for chunk in table.vector(3, 24).unwrap_or_default().as_chunks::<24>().0 {
             let Some(numbers) = chunk.as_chunks().0.first_chunk() else {
@@ -177,7 +164,6 @@ impl Index {
             self.sensors.push(Sensor {
                 id,
                 json: String::from_utf8(json).ok()?,
-                extrinsics: None,
             });
             self.stream(table.u32(1), SCANS, Some(id));
         }

