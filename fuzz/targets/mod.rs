@@ -19,6 +19,7 @@ mod made_urdf;
 mod mcap;
 mod metadata;
 mod packets;
+mod pcap;
 mod plain;
 mod rosbag1;
 mod urdf;
@@ -75,6 +76,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("mcap", mcap::run),
     ("metadata", metadata::run),
     ("packets", packets::run),
+    ("pcap", pcap::run),
     ("plain", plain::run),
     ("rosbag1", rosbag1::run),
     ("urdf", urdf::run),

@@ -147,7 +147,7 @@ impl HandEye {
         }
         let missing = |why: &str| (NotEvaluated::MissingInput, why.to_owned());
         let (motion, scans) = (Motion::of(world), ScanMotion::of(world));
-        let lidar = clouds.frame().ok_or_else(|| missing("the clouds have no `frame_id`"))?;
+        let lidar = clouds.frame().ok_or_else(|| missing(clouds.frameless()))?;
         let no_poses = || missing("no poses to compare with: record those of a frame that TF ties to the lidar");
         let steps = scans.steps(clouds).ok_or_else(no_poses)?;
         if steps.is_up.is_none() {

@@ -44,7 +44,7 @@ pub(crate) fn maps(
 ) -> Result<Maps, (NotEvaluated, String)> {
     let missing = |why: &str| (NotEvaluated::MissingInput, why.to_owned());
     let motion = Motion::of(world);
-    let lidar = clouds.frame().ok_or_else(|| missing("the clouds have no `frame_id`"))?;
+    let lidar = clouds.frame().ok_or_else(|| missing(clouds.frameless()))?;
     let tied = tied(world, &motion, clouds, &lidar);
     let own = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
     let (poses, body, stated) = own.max_by_key(|(poses, ..)| poses.rows().count()).ok_or_else(|| {

@@ -130,6 +130,15 @@ impl<'w> Clouds<'w> {
         frames.into_iter().find(|frame| !frame.as_str().is_empty())
     }
 
+    /// Why there is no frame, where there is none.
+    pub(crate) fn frameless(&self) -> &'static str {
+        if self.topic.header_frames.is_empty() {
+            "a capture, or a topic of single packets, does not state the frame of its lidar"
+        } else {
+            "the clouds have no `frame_id`"
+        }
+    }
+
     /// The type of a field of the points.
     pub(crate) fn datatype(&self, name: &str) -> Option<&'w str> {
         let layout = self.evidence.layouts.first()?;

@@ -297,8 +297,7 @@ impl Lidar {
         (gathered, name, sensors): (usize, &str, Option<&KnownSensors>),
         visit: &mut dyn Visit,
     ) {
-        let decoder = self.decoder.clone();
-        let Ok(content) = decoder.decode(message.data) else {
+        let Ok(content) = self.decoder.decode(message.data) else {
             // Without bytes it does not decode as a scan either, and is counted as such.
             let broken = Message { data: &[], ..*message };
             return visit.message(&self.channel, &broken);

@@ -55,6 +55,8 @@ mod limits;
 mod messages;
 mod outputs;
 mod packets;
+mod packets_captured;
+mod packets_captured_damage;
 mod packets_drives;
 mod packets_recorded;
 mod pages;

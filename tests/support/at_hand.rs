@@ -61,6 +61,16 @@ pub fn lidar_packets() -> Option<PathBuf> {
     )
 }
 
+/// The folder of captures of Ouster's sensors: `FRAMES_LINT_OUSTER`, or `../shared/raw/ouster` beside the repository.
+#[track_caller]
+pub fn ouster_captures() -> Option<PathBuf> {
+    folder(
+        "FRAMES_LINT_OUSTER",
+        "../shared/raw/ouster",
+        "captures of Ouster's sensors",
+    )
+}
+
 #[track_caller]
 fn folder(variable: &str, beside: &str, what: &str) -> Option<PathBuf> {
     let beside_us = || Path::new(env!("CARGO_MANIFEST_DIR")).join(beside);

@@ -19,6 +19,7 @@
 pub mod at_hand;
 pub mod browser;
 pub mod camera;
+pub mod capture;
 pub mod clouds;
 pub mod contents;
 pub mod damage;

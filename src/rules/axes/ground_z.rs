@@ -71,7 +71,7 @@ impl LidarMount {
             return Err((NotEvaluated::NotApplicable, why));
         }
         let Some(frame) = clouds.frame() else {
-            return Err((NotEvaluated::MissingInput, "the clouds have no `frame_id`".to_owned()));
+            return Err((NotEvaluated::MissingInput, clouds.frameless().to_owned()));
         };
         let Some(mount) = mount(world, &frame) else {
             let why = format!("`{frame}` is not tied to a base such as `base_link`: add a URDF or record `/tf_static`");

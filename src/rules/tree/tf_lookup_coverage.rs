@@ -60,10 +60,10 @@ fn judge_topic(
     let mut frames: Vec<FrameId> = topic.header_frames.keys().map(FrameId::canonical).collect();
     frames.dedup();
     let [frame] = frames.as_slice() else {
-        return Err(not_ours(format!(
-            "its messages have {} different frame_ids",
-            frames.len()
-        )));
+        return Err(not_ours(match frames.len() {
+            0 => "its messages state no frame".to_owned(),
+            count => format!("its messages have {count} different frame_ids"),
+        }));
     };
     if names::is_world(frame) {
         return Err(not_ours(format!(

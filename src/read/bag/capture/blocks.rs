@@ -2,7 +2,7 @@
 //!
 //! Owns sections and interfaces. Source: draft-ietf-opsawg-pcapng, sections 3 and 4.
 
-use super::layout::{CapturedPacket, Fault, MAX_PACKET, Record};
+use super::record::{CapturedPacket, Fault, MAX_PACKET, Record};
 use super::tape::Tape;
 
 /// Types of blocks.
@@ -59,9 +59,6 @@ struct Head {
 }
 
 impl Blocks {
-    /// Bytes of the smallest block.
-    pub(super) const HEAD: u64 = 12;
-
     /// Whether these 8 bytes may be the head of a block.
     pub(super) fn may_be(&self, head: &[u8]) -> bool {
         let kind = self.u32(head, 0);

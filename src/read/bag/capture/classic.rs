@@ -2,7 +2,7 @@
 //!
 //! Source: draft-ietf-opsawg-pcap.
 
-use super::layout::{CapturedPacket, Fault, MAX_PACKET, Record};
+use super::record::{CapturedPacket, Fault, MAX_PACKET, Record};
 use super::tape::Tape;
 
 /// What the header of a file says about its records.
@@ -24,7 +24,7 @@ impl Classic {
     /// Where the first record is.
     pub(super) const START: u64 = 24;
     /// Bytes of the head of a record.
-    pub(super) const HEAD: u64 = 16;
+    const HEAD: u64 = 16;
 
     /// By the first 24 bytes of a file.
     pub(super) fn of(first: &[u8]) -> Result<Self, String> {
@@ -64,6 +64,10 @@ impl Classic {
             return Some(Err(format!(
                 "a record of {len} bytes is above the limit of {MAX_PACKET}"
             )));
+        }
+        // Zeros, as a system that stopped leaves them.
+        if len == 0 {
+            return Some(Err("a record has no packet".to_owned()));
         }
         if len > original {
             return Some(Err(format!("a record has {len} bytes of a packet of {original}")));

@@ -7,44 +7,15 @@
 use super::blocks::Blocks;
 use super::classic::Classic;
 use super::network;
+use super::record::{Fault, Record};
 use super::tape::Tape;
 
-/// Bound on a packet, bytes: the largest that libpcap captures.
-pub(super) const MAX_PACKET: u32 = 1 << 18;
 /// Records in a row that must be sound for reading to continue there.
 const CHAIN: usize = 8;
 /// Bytes that are searched for the start of a record at once.
 const SEARCHED: usize = 1 << 16;
 /// How far records in a row may be apart in time where a chain is searched, nanoseconds.
 const APART_NS: u64 = 60_000_000_000;
-
-/// Why there is no record.
-#[derive(Debug)]
-pub(super) enum Fault {
-    /// The file ends inside of it.
-    Ended(String),
-    Wrong(String),
-}
-
-/// A record of pcap, or a block of pcapng.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Record {
-    /// Where the next one begins.
-    pub(super) next: u64,
-    /// The packet in it.
-    pub(super) packet: Option<CapturedPacket>,
-}
-
-/// A packet in the file.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CapturedPacket {
-    /// Nanoseconds since 1970.
-    pub(super) time_ns: i64,
-    /// How it begins.
-    pub(super) link: u32,
-    pub(super) from: u64,
-    pub(super) len: usize,
-}
 
 pub(super) enum Layout {
     Classic(Classic),
@@ -85,12 +56,13 @@ impl Layout {
         }
     }
 
-    /// Whether a record seems to begin at a position, or the file ends there or in the head of one.
+    /// Whether a record seems to begin at a position, or the file ends there or inside of one.
     pub(super) fn goes_on(&self, tape: &mut Tape, at: u64) -> bool {
-        match self {
-            Self::Classic(classic) => tape.total - at < Classic::HEAD || classic.head(tape, at).is_ok(),
-            Self::Blocks(blocks) => tape.total - at < Blocks::HEAD || blocks.head(tape, at).is_ok(),
-        }
+        let head = match self {
+            Self::Classic(classic) => classic.head(tape, at),
+            Self::Blocks(blocks) => blocks.head(tape, at),
+        };
+        !matches!(head, Err(Fault::Wrong(_)))
     }
 
     /// The first position from `from` to before `until` at which records follow each other. Their times lie in `span_ns`.

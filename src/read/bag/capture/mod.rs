@@ -8,6 +8,7 @@ mod blocks;
 mod classic;
 mod layout;
 mod network;
+mod record;
 mod report;
 mod sample;
 mod senders;
@@ -20,8 +21,9 @@ use crate::source::{Place, ReadStatus};
 use super::losses::{Loss, Losses};
 use super::{Extent, Progress, Task};
 
-use layout::{CapturedPacket, Fault, Layout};
+use layout::Layout;
 use network::{Found, Network};
+use record::{CapturedPacket, Fault, Record};
 use senders::Senders;
 use tape::Tape;
 
@@ -149,7 +151,7 @@ impl Pass<'_, '_> {
 
     /// The record at a position. It is used only if another one follows it: bytes that were lost or inserted are in the record before the
     /// fault. After damage its time must be that of the capture, too.
-    fn sound(&mut self, at: u64) -> Result<layout::Record, Fault> {
+    fn sound(&mut self, at: u64) -> Result<Record, Fault> {
         let record = self.layout.record(&mut self.tape, at)?;
         if !self.layout.goes_on(&mut self.tape, record.next) {
             return Err(Fault::Wrong(format!(
