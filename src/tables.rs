@@ -3,6 +3,7 @@
 //! Owns their reading. Must not know rules or worlds. A table of this program that cannot be read is a bug here: the tests read
 //! every one. At run time such a table is empty.
 
+pub mod beams;
 mod clouds;
 mod dataset;
 mod dialects;

@@ -1,5 +1,7 @@
 //! Any bytes as packets of a lidar, of each maker: no panic, finite points, and not more of them than the bytes hold.
-use frames_lint::read::packets::{Maker, Packet, Unit, boundary, decode_with};
+use std::sync::Arc;
+
+use frames_lint::read::packets::{Correction, Maker, Packet, Unit, boundary, decode_with};
 
 /// Runs the target: the first two bytes are the length of every packet, the rest are the packets.
 pub fn run(bytes: &[u8]) {
@@ -7,7 +9,8 @@ pub fn run(bytes: &[u8]) {
         return;
     };
     let length = usize::from(u16::from_le_bytes(*length)).max(1);
-    let mut unit = Unit::default();
+    let corrected = |read| Unit::corrected(Arc::new(read));
+    let mut unit = Correction::read(bytes).map_or_else(Unit::default, corrected);
     for packet in bytes.chunks(length) {
         unit.take(packet);
         let _ = Maker::of(packet);

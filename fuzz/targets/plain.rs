@@ -11,6 +11,7 @@ pub fn run(bytes: &[u8]) {
         "rovio.info",
         "robot.lua",
         "poses.tum",
+        "beams.csv",
     ] {
         if let Some(mut source) = super::source(bytes, name, SourceKind::Text) {
             calibration::read_plain(&mut source, Tables::default().dialects());

@@ -4,6 +4,7 @@
 
 pub(crate) mod auth;
 pub(crate) mod axes;
+pub(crate) mod beams;
 pub(crate) mod camera;
 pub(crate) mod contract;
 pub(crate) mod cov;

@@ -31,6 +31,7 @@ use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::read::messages::format::Format;
 use crate::read::messages::packets::ASSEMBLED;
+use crate::read::packets::Unit;
 use crate::read::scans;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
@@ -85,6 +86,8 @@ pub struct CloudOptions {
     pub time_fields: Arc<[String]>,
     /// Whether slices have the points near the plane of a camera's x and y, too: mistakes are tried on them.
     pub has_optical: bool,
+    /// What files beside the recording tell of the sensor whose packets it may hold.
+    pub unit: Unit,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into

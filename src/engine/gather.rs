@@ -13,6 +13,7 @@ use crate::progress::Progress;
 use crate::read::calibration;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
+use crate::read::packets::{Correction, Unit};
 use crate::read::urdf::MeshLookup;
 use crate::read::xacro::Template;
 use crate::read::{code, feather, launch, points, text, urdf, xacro, xacro_parts};
@@ -23,6 +24,8 @@ use crate::world::Facts;
 use super::timings::{Phase, Timings};
 use super::{parallel, references};
 
+/// Maximum size of a file with the corrections of a lidar, which has 47 kB.
+const MAX_CORRECTION_BYTES: u64 = 1 << 20;
 /// Maximum size of text files, bytes: no URDF or calibration is larger.
 const MAX_TEXT_BYTES: u64 = 64 * 1024 * 1024;
 
@@ -332,6 +335,9 @@ impl Reader<'_> {
         if input.kind != SourceKind::Rosbag2 {
             recordings.parts.clone_from(&input.parts);
         }
+        if let Some(unit) = self.unit_beside(input) {
+            recordings.clouds.unit = unit;
+        }
         let collected = collect(&input.path, &recordings, source, &|done, _total| task.update(done));
         let texts = [
             (SourceKind::RobotDescription, collected.descriptions),
@@ -350,6 +356,20 @@ impl Reader<'_> {
             emerged.extend(texts.into_iter().map(emerging));
         }
         collected.facts
+    }
+
+    /// The sensor whose corrections are among the inputs of a recording, if there is one.
+    fn unit_beside(&self, input: &Input) -> Option<Unit> {
+        let mut beside = self
+            .inputs
+            .corrections
+            .iter()
+            .filter(|(group, _)| *group == input.group);
+        let (_, path) = beside.next()?;
+        let is_small = fs::metadata(path).is_ok_and(|meta| meta.len() <= MAX_CORRECTION_BYTES);
+        let only = beside.next().is_none() && is_small;
+        let correction = Correction::read(&fs::read(path).ok().filter(|_| only)?)?;
+        Some(Unit::corrected(Arc::new(correction)))
     }
 
     fn read_xacro(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<ExtractedText>) -> Facts {

@@ -209,6 +209,7 @@ impl Configurations {
         CloudOptions {
             time_fields: fields.into_iter().collect(),
             has_optical: self.each().any(|one| one.assures(options)),
+            ..CloudOptions::default()
         }
     }
 

@@ -16,6 +16,7 @@ use crate::source::SourceKind;
 
 use super::bag::{Container, metadata};
 use super::input::{Input, ending};
+use super::packets::Correction;
 use super::recordings;
 
 /// The name of frames-lint's own configuration, which is not a calibration file.
@@ -28,6 +29,8 @@ pub struct Inputs {
     pub files: Vec<Input>,
     /// Files in folders that no reader can use, counted by ending.
     pub skipped: BTreeMap<String, usize>,
+    /// Files with the corrections of an AT128, by the group of inputs that they came with: packets in recordings need them.
+    pub corrections: Vec<(usize, PathBuf)>,
     /// Folders with a `package.xml`, in the order in which they were found.
     pub packages: Vec<PathBuf>,
 }
@@ -68,6 +71,9 @@ const UNREAD_FORMATS: &[(&str, &str)] = &[
     ("toml", "TOML files are not read"),
     ("xml", "this XML is not a robot description"),
 ];
+
+/// How a file with the corrections of an AT128 is listed: it is read only for a recording with its packets.
+const CORRECTION: &str = "AT128 correction (for its packets only)";
 
 /// Which files are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -272,6 +278,10 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
             }
             if let Some(kind) = recognise(path, &head) {
                 input.kind = kind;
+            } else if Correction::may_be(&head) {
+                inputs.corrections.push((group, path.to_path_buf()));
+                *inputs.skipped.entry(CORRECTION.to_owned()).or_default() += 1;
+                return;
             } else if let Some(reason) = unread_format(path) {
                 input.refusal = Some(reason.to_owned());
                 input.required = false;

@@ -25,6 +25,8 @@ pub enum Need {
     Calibration,
     /// A recording, or a file of camera_info_manager.
     CameraInfo,
+    /// A calibration of the beams of a lidar.
+    Beams,
     /// A recording.
     Bag,
     /// A file of points.
@@ -51,6 +53,7 @@ impl Need {
             Self::CalibrationOrBag => !world.bags.is_empty() || world.claims.iter().any(has_file),
             Self::Calibration => world.claims.iter().any(has_file),
             Self::CameraInfo => !world.bags.is_empty() || !world.cameras.is_empty(),
+            Self::Beams => !world.beams.is_empty(),
             Self::Bag => !world.bags.is_empty(),
             Self::Points => !world.point_files.is_empty(),
             Self::BagOrPoints => !world.bags.is_empty() || !world.point_files.is_empty(),
@@ -90,6 +93,7 @@ impl Need {
             Self::Matrices => "no file with a matrix: needs a calibration file",
             Self::Calibration => "no calibration file with transforms: needs one",
             Self::CameraInfo => "no recording and no camera_info file: needs one of them",
+            Self::Beams => "no calibration of a lidar's beams: needs a file of velodyne_pointcloud or of Hesai",
             Self::Bag => "no recording: needs an MCAP, rosbag2 or ROS 1 bag",
             Self::Points => "no point cloud file: needs a PCD, PLY, LAS or LAZ",
             Self::BagOrPoints => "no recording and no point cloud file: needs one of them",

@@ -118,6 +118,7 @@ macro_rules! registry {
                 SENSOR08 => compass_in_quaternion::CompassInQuaternion,
                 SENSOR09 => left_handed_simulator::LeftHandedSimulator,
                 SENSOR10 => dataset_profile::DatasetProfile,
+                SENSOR11 => beam_calibration::BeamAngles,
             }
             #[doc = "CAMERA: cameras, their parameters and their mounting."]
             camera {

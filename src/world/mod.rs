@@ -4,6 +4,7 @@
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
+pub mod beams;
 pub mod camera;
 pub mod chain;
 pub mod claim;
@@ -44,6 +45,7 @@ use index::Index;
 use launch::{LocalizationSettings, ReadObstacle, StaticPublisher};
 
 pub use bag::BagEvidence;
+pub use beams::BeamCalibration;
 pub use camera::{CameraFile, StatedDelay};
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
@@ -91,6 +93,9 @@ pub struct World {
     /// The metadata of Ouster sensors.
     #[serde(default)]
     pub ousters: Vec<OusterMetadata>,
+    /// Calibrations of the beams of lidars.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beams: Vec<BeamCalibration>,
     /// Tables of devices, drivers and datasets, with the user's own rows.
     #[serde(skip)]
     pub tables: Arc<Tables>,
@@ -156,6 +161,8 @@ pub struct Facts {
     pub bag_origins: Vec<LocalOrigin>,
     /// The metadata of Ouster sensors.
     pub ousters: Vec<OusterMetadata>,
+    /// Calibrations of the beams of a lidar.
+    pub beams: Vec<BeamCalibration>,
     /// Cameras that a file of camera_info_manager describes.
     pub cameras: Vec<CameraFile>,
     /// Names of sensors in a dataset's table, by the token that its other tables use.
@@ -205,6 +212,7 @@ impl Facts {
             (self.chains.len(), "product of transforms"),
             (self.origins.len(), "origin on the Earth"),
             (self.ousters.len(), "description of an Ouster"),
+            (self.beams.len(), "calibration of a lidar's beams"),
             (self.cameras.len(), "camera"),
             (self.channels.len(), "name of a sensor"),
             (self.projections.len(), "projection"),
@@ -310,6 +318,7 @@ impl World {
             origins: kept(&self.origins, |one| at(&one.place)),
             bag_origins: kept(&self.bag_origins, |one| at(&one.place)),
             ousters: kept(&self.ousters, |one| at(&one.place)),
+            beams: kept(&self.beams, |one| at(&one.place)),
             tables: Arc::clone(&self.tables),
             dataset: self.dataset.clone(),
             cameras: kept(&self.cameras, |one| at(&one.place)),
@@ -335,6 +344,7 @@ impl World {
         self.origins.extend(facts.origins);
         self.bag_origins.extend(facts.bag_origins);
         self.ousters.extend(facts.ousters);
+        self.beams.extend(facts.beams);
         self.cameras.extend(facts.cameras);
         self.projections.extend(facts.projections);
         self.publishers.extend(facts.publishers);

@@ -332,20 +332,47 @@ fn that_a_capture_states_no_frame_is_no_fault() {
     assert!(fs::read(&clouds).unwrap().starts_with(b"# .PCD"));
 }
 
+/// Real captures, with their metadata beside them: the numbers of points are those that ouster-sdk 1.0 finds in the first scans.
 #[test]
-fn packets_of_ouster_are_named() {
+fn packets_of_ouster_are_decoded_by_the_metadata_beside_the_capture() {
     let Some(folder) = ouster_captures() else { return };
-    for name in [
-        "OS-0-128-U1_v2.3.0_1024x10",
-        "OS-1-64_1024x10_fw20",
-        "OS-1-128_767798045_1024x10_20230712_120049",
+    for (name, points) in [
+        ("OS-0-128-U1_v2.3.0_1024x10", 97_299),
+        ("OS-1-64_1024x10_fw20", 16_749),
+        ("OS-1-128_767798045_1024x10_20230712_120049", 17_462),
+        ("OS-1-32-G_v2.1.1_1024x10", 27_310),
+        ("windowed_frame1", 9246),
     ] {
-        let (source, _, scans) = read(&folder.join(format!("{name}.pcap")), None);
-        assert_eq!(source.status, ReadStatus::Unreadable);
-        assert!(scans.seen.is_empty());
-        let [said] = messages(&source)[..] else {
-            panic!("{name}: {source:?}")
-        };
-        assert!(said.contains("packets of Ouster, which are not decoded"), "{said}");
+        let path = folder.join(format!("{name}.pcap"));
+        let there = tempfile::tempdir().unwrap();
+        let ran = program::run(
+            there.path(),
+            [
+                "collect".as_ref(),
+                path.as_os_str(),
+                "--clouds".as_ref(),
+                "cloud.pcd".as_ref(),
+            ],
+        );
+        assert_eq!(ran.code, 0, "{name}: {}", ran.text());
+        assert!(
+            ran.text().contains(&format!("{points} points")),
+            "{name}: {}",
+            ran.text()
+        );
     }
+}
+
+#[test]
+fn packets_of_ouster_without_metadata_say_what_is_missing() {
+    let Some(folder) = ouster_captures() else { return };
+    let there = tempfile::tempdir().unwrap();
+    let copy = there.path().join("drive.pcap");
+    fs::copy(folder.join("OS-1-32-G_v2.1.1_1024x10.pcap"), &copy).unwrap();
+    let ran = program::run(there.path(), ["check", "drive.pcap"]);
+    assert!(
+        ran.text().contains("packets of an Ouster without its metadata"),
+        "{}",
+        ran.text()
+    );
 }

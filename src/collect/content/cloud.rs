@@ -73,7 +73,7 @@ impl Clouds {
             share,
             count: 0,
             sensor: None,
-            unit: Unit::default(),
+            unit: options.unit.clone(),
             packets: PacketCounts::default(),
             layouts: Vec::new(),
             others: 0,

@@ -1,9 +1,10 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
 //! Owns the two entry points and the messages about how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` knows spellings, `origins`, `ouster`, `parameters` and `references` find what they are named after, `walk` and `generic` make claims, `dialect` knows formats,
+//! `names` and `numbers` recognise, `shapes` knows spellings, `beams`, `origins`, `ouster`, `parameters` and `references` find what they are named after, `walk` and `generic` make claims, `dialect` knows formats,
 //! `leftovers` finds what was not read.
 
+mod beams;
 mod cameras;
 mod delays;
 mod dialect;
@@ -154,6 +155,7 @@ fn read_text(
         facts.references.extend(references::collect(root, source.id));
         facts.origins.extend(origins::collect(root, source.id));
         facts.ousters.extend(ouster::collect(root, source.id));
+        facts.beams.extend(beams::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
         facts.frames.extend(parameters::collect(root, source.id));
         facts.delays.extend(delays::collect(root, source.id));
@@ -274,6 +276,8 @@ fn describe(
     let mut notes: Vec<String> = dialect.map(|dialect| dialect.says.clone()).into_iter().collect();
     if !facts.ousters.is_empty() && facts.claims.is_empty() {
         notes.push("Ouster metadata, no transforms".to_owned());
+    } else if let Some(beams) = facts.beams.first().filter(|_| facts.claims.is_empty()) {
+        notes.push(format!("angles of the beams of a {}, no transforms", beams.maker));
     } else if !facts.origins.is_empty() && facts.claims.is_empty() {
         notes.push("an origin on the Earth, no transforms".to_owned());
     } else if !facts.projections.is_empty() && facts.claims.is_empty() {

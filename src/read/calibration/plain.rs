@@ -26,6 +26,8 @@ pub(crate) enum Form {
     Trajectory,
     /// A line of names and a transform in each row (CSV; what a feather table becomes).
     Table,
+    /// The same with the angles of a beam in each row (Hesai).
+    Beams,
     /// The same with a time in each row: poses over time.
     Moments,
     /// States of OpenVINS over time.
@@ -80,7 +82,7 @@ pub(super) fn build(form: Form, text: &str, stem: &str) -> Documents {
         Form::Keyed => lines::keyed(text),
         Form::Matrix => lines::matrix(text),
         Form::Trajectory => lines::trajectory(text),
-        Form::Table => records::table(text),
+        Form::Table | Form::Beams => records::table(text),
         Form::Moments | Form::States => (lines::mapping(text, Vec::new()), None),
         Form::Colmap => records::colmap(text),
         Form::Titled => records::titled(text),
@@ -88,7 +90,7 @@ pub(super) fn build(form: Form, text: &str, stem: &str) -> Documents {
         Form::Info => blocks::info(text),
         Form::Lua => blocks::lua(text),
     };
-    let root = if matches!(form, Form::Keyed | Form::Matrix | Form::Table) {
+    let root = if matches!(form, Form::Keyed | Form::Matrix | Form::Table | Form::Beams) {
         let first = root.pairs().first().map_or(root.span.start, |(key, _)| key.span.start);
         let name = scalar(stem, Span::new(first, first));
         Node::new(root.span, Kind::Mapping(vec![(name, root)]))

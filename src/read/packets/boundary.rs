@@ -1,9 +1,9 @@
 //! Where one scan ends and the next begins, in the packets of one sensor, as the ROS drivers cut by default: where its azimuth passes zero,
-//! where the numbers of its packets start again (RoboSense's sensors without rotation), after a tenth of a second (Livox), or where the
+//! where the places of its packets start again (RoboSense's M1, each mirror of Hesai's AT128), after a tenth of a second (Livox), or where the
 //! packets say that another turn begins (Ouster).
 
 use super::turn::TURN;
-use super::{Maker, hesai, livox, ouster, robosense, robosense_models, robosense_solid, velodyne};
+use super::{Maker, at128, hesai, livox, ouster, robosense, robosense_solid, velodyne};
 
 /// Hundredths of a degree that packets are apart at most, however they are lost or swapped on the way, for the direction of turning to be
 /// read from them. Packets of known sensors cover up to 4 degrees.
@@ -23,31 +23,39 @@ pub trait Boundary {
 pub fn boundary(maker: Maker) -> Box<dyn Boundary> {
     match maker {
         Maker::Velodyne => Box::new(Sweep::of(velodyne::azimuth)),
-        Maker::Hesai => Box::new(Sweep::of(hesai::azimuth)),
-        Maker::RoboSense => Box::new(RoboSense {
-            sweep: Sweep::of(robosense::azimuth),
-            number: None,
-        }),
+        Maker::Hesai => Box::new(Turning::of(hesai::azimuth, at128::place)),
+        Maker::RoboSense => Box::new(Turning::of(robosense::azimuth, robosense_solid::number)),
         Maker::Livox => Box::new(Livox { begun_ns: None }),
         Maker::Ouster => Box::new(Ouster { turns: [None; 2] }),
     }
 }
 
-/// A RoboSense, that turns or not.
-struct RoboSense {
+/// A sensor of a maker that has models which do not turn as a whole.
+struct Turning {
     sweep: Sweep,
-    /// Of the packet before, of a sensor that does not turn.
-    number: Option<u16>,
+    /// The place of a packet in a scan, of those models; `None` for packets of the others.
+    place_of: fn(&[u8]) -> Option<u16>,
+    /// Of the packet before.
+    place: Option<u16>,
 }
 
-impl Boundary for RoboSense {
-    fn begins(&mut self, bytes: &[u8]) -> Option<bool> {
-        if !robosense_models::is_solid(bytes) {
-            return self.sweep.begins(bytes);
+impl Turning {
+    fn of(azimuth_of: fn(&[u8]) -> Option<u16>, place_of: fn(&[u8]) -> Option<u16>) -> Self {
+        Self {
+            sweep: Sweep::of(azimuth_of),
+            place_of,
+            place: None,
         }
-        let number = robosense_solid::number(bytes)?;
-        let before = self.number.replace(number);
-        Some(before.is_some_and(|before| number < before))
+    }
+}
+
+impl Boundary for Turning {
+    fn begins(&mut self, bytes: &[u8]) -> Option<bool> {
+        let Some(place) = (self.place_of)(bytes) else {
+            return self.sweep.begins(bytes);
+        };
+        let before = self.place.replace(place);
+        Some(before.is_some_and(|before| place < before))
     }
 }
 

@@ -39,10 +39,12 @@ pub enum PacketError {
         /// The model of the packet.
         model: &'static str,
     },
-    /// The angles of the beams are this one sensor's, and neither its packets nor the model tell them.
+    /// The angles of the beams are this one sensor's, and what tells them is missing.
     Untold {
         /// The model of the packet.
         model: &'static str,
+        /// What tells them.
+        place: &'static str,
     },
     /// A block does not begin with its mark.
     Mark {
@@ -90,10 +92,7 @@ impl fmt::Display for PacketError {
                 f,
                 "a packet of a {model} whose channels follow a configuration of its own"
             ),
-            Self::Untold { model } => write!(
-                f,
-                "a packet of a {model} whose angles are in a packet (DIFOP) that the recording does not have"
-            ),
+            Self::Untold { model, place } => write!(f, "a packet of a {model} whose angles are in {place}"),
             Self::Mark { model, block } => write!(f, "a packet of a {model} whose block {block} lacks its mark"),
             Self::Azimuth { model, block, sent } => write!(
                 f,

@@ -6,30 +6,50 @@ use super::bytes::{u8_at, u16_at, u32_at};
 use super::date::seconds_of;
 use super::hesai_models::{Beam, Model, model_of};
 use super::turn::{TURN, turn};
-use super::{Decode, Packet, PacketError, Return};
+use super::{Decode, Packet, PacketError, Return, Unit, at128};
 
 /// Remembers the model and the first packet's time.
-#[derive(Default)]
-pub(super) struct Decoder {
-    first: Option<(&'static Model, i64)>,
+pub(super) struct Decoder<'u> {
+    unit: &'u Unit,
+    first: Option<(&'static str, i64)>,
 }
 
-impl Decode for Decoder {
-    fn packet(&mut self, packet: &Packet<'_>, returns: &mut Vec<Return>) -> Result<(), PacketError> {
-        let parsed = parse(packet.bytes)?;
-        let &mut (model, start_ns) = self.first.get_or_insert((parsed.model, parsed.time_ns));
-        if model.name != parsed.model.name {
-            return Err(PacketError::Mixed {
-                model: parsed.model.name,
-                before: model.name,
-            });
+impl<'u> Decoder<'u> {
+    pub(super) fn new(unit: &'u Unit) -> Self {
+        Self { unit, first: None }
+    }
+
+    /// From the first packet to this one, nanoseconds.
+    fn after(&mut self, model: &'static str, time_ns: i64) -> Result<i64, PacketError> {
+        let &mut (before, start_ns) = self.first.get_or_insert((model, time_ns));
+        if before == model {
+            Ok(time_ns.saturating_sub(start_ns))
+        } else {
+            Err(PacketError::Mixed { model, before })
         }
-        push_returns(&parsed, parsed.time_ns.saturating_sub(start_ns), returns);
+    }
+}
+
+impl Decode for Decoder<'_> {
+    fn packet(&mut self, packet: &Packet<'_>, returns: &mut Vec<Return>) -> Result<(), PacketError> {
+        if at128::is_at128(packet.bytes) {
+            let parsed = at128::parse(packet.bytes)?;
+            let correction = self.unit.correction().ok_or(PacketError::Untold {
+                model: at128::NAME,
+                place: "a correction file (.dat) that is not at hand",
+            })?;
+            let after_ns = self.after(at128::NAME, parsed.time_ns)?;
+            at128::push_returns(&parsed, correction, after_ns, returns);
+            return Ok(());
+        }
+        let parsed = parse(packet.bytes)?;
+        let after_ns = self.after(parsed.model.name, parsed.time_ns)?;
+        push_returns(&parsed, after_ns, returns);
         Ok(())
     }
 
     fn identity(&self) -> Option<(&'static str, Option<i64>)> {
-        self.first.map(|(model, start_ns)| (model.name, Some(start_ns)))
+        self.first.map(|(model, start_ns)| (model, Some(start_ns)))
     }
 }
 

@@ -4,11 +4,11 @@ use std::sync::OnceLock;
 
 use super::PacketError;
 use super::bytes::{u8_at, u16_at};
-use super::hesai_tables::{
+use super::turn::Direction;
+use crate::tables::beams::hesai::{
     OT128_ANGLES, OT128_FAR_TIMES, PANDAR40P_ANGLES, PANDAR40P_TIMES, PANDAR64_ANGLES, PANDAR64_TIMES, QT64_ANGLES,
     QT64_TIMES, QT128_ANGLES, QT128_LOOP1, QT128_LOOP2, XT16_ANGLES, XT32_ANGLES, XT32M_ANGLES,
 };
-use super::turn::Direction;
 
 /// Layout, angles and times of one model. Times are nanoseconds.
 pub(super) struct Model {

@@ -269,11 +269,11 @@ fn refuses_with_a_plain_sentence() {
         change(&mut bytes);
         scan(&bytes).map_or_else(|error| error.to_string(), |scan| scan.model.to_owned())
     };
-    let version = refusal(XT32, &|b| put(b, 2, &[4, 3]));
+    let version = refusal(XT32, &|b| put(b, 2, &[4, 7]));
     assert_eq!(
         version,
         format!(
-            "a packet of {} bytes with the unknown model 0x403",
+            "a packet of {} bytes with the unknown model 0x407",
             XT32.packet(0x37).len()
         )
     );

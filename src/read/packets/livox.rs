@@ -165,13 +165,11 @@ impl Decode for Decoder {
                 let Some(([x, y, z], intensity)) = point(layout, shot, number, bytes / echoes) else {
                     continue;
                 };
-                let place = [x, y, z];
+                let bits = |place: [f32; 3]| place.map(f32::to_bits);
+                let mut known = returns.iter().skip(from).map(|other| bits([other.x, other.y, other.z]));
                 // Nothing was received, or the same return is sent again.
-                let is_known = returns
-                    .iter()
-                    .skip(from)
-                    .any(|other| [other.x, other.y, other.z] == place);
-                if place != [0.0; 3] && !is_known {
+                let is_known = known.any(|known| known == bits([x, y, z]));
+                if [x, y, z].iter().any(|axis| axis.abs() > 0.0) && !is_known {
                     returns.push(Return {
                         x,
                         y,
@@ -210,24 +208,29 @@ fn point(layout: Layout, shot: &[u8], number: usize, bytes: usize) -> Option<([f
             let axis = |at: usize| Some(f32::from(u16_at(one, at)? as i16) / 100.0);
             Some(([axis(0)?, axis(2)?, axis(4)?], u8_at(one, 6)?))
         }
-        Layout::Angles => polar(u32_at(one, 0)?, u16_at(one, 4)?, u16_at(one, 6)?, u8_at(one, 8)?),
+        Layout::Angles => Some(polar(u32_at(one, 0)?, u16_at(one, 4)?, u16_at(one, 6)?, u8_at(one, 8)?)),
         Layout::SharedAngles => {
             let one = shot.get(4 + 6 * number..)?;
-            polar(u32_at(one, 0)?, u16_at(shot, 0)?, u16_at(shot, 2)?, u8_at(one, 4)?)
+            Some(polar(
+                u32_at(one, 0)?,
+                u16_at(shot, 0)?,
+                u16_at(shot, 2)?,
+                u8_at(one, 4)?,
+            ))
         }
     }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "millimetres in f32")]
-fn polar(millimetres: u32, zenith: u16, around: u16, reflectivity: u8) -> Option<([f32; 3], u8)> {
+fn polar(millimetres: u32, zenith: u16, around: u16, reflectivity: u8) -> ([f32; 3], u8) {
     let (zenith, around) = (
         Direction::of(f64::from(zenith) / 100.0),
         Direction::of(f64::from(around) / 100.0),
     );
     let distance = millimetres as f32 / 1000.0;
     let flat = distance * zenith.sin;
-    Some((
+    (
         [flat * around.cos, flat * around.sin, distance * zenith.cos],
         reflectivity,
-    ))
+    )
 }

@@ -100,7 +100,7 @@ fn the_second_generation_has_points_in_three_layouts() {
 fn a_clock_that_was_not_set_counts_from_the_start() {
     let packet = second(1, &[millimetres([1000, 0, 0], &[77, 0])], 0, 5_000_000_000);
     assert_eq!(
-        scan(&[packet.clone()], 1_700).map(|scan| scan.start_ns),
+        scan(std::slice::from_ref(&packet), 1_700).map(|scan| scan.start_ns),
         Ok(Some(1_700))
     );
     assert_eq!(scan(&[packet], 0).map(|scan| scan.start_ns), Ok(None));
@@ -160,7 +160,7 @@ fn the_first_generation_has_points_in_eight_layouts() {
     }
     // The inertial sensor has none, and is not a packet that could not be decoded.
     let imu = first(6, 1, &[0; 24], 1, time);
-    assert_eq!(scan(&[imu.clone()], 0), Err(PacketError::Empty));
+    assert_eq!(scan(std::slice::from_ref(&imu), 0), Err(PacketError::Empty));
     let both = scan(&[imu, first(0, 100, &millimetres(point, &[77]), 1, time)], 0);
     assert_eq!(both.map(|scan| (scan.returns.len(), scan.refused)), Ok((1, 0)));
 }

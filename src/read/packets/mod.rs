@@ -6,13 +6,13 @@
 
 use std::borrow::Cow;
 
+mod at128;
 mod boundary;
 mod bytes;
 mod date;
 mod error;
 mod hesai;
 mod hesai_models;
-mod hesai_tables;
 mod livox;
 mod ouster;
 mod robosense;
@@ -23,8 +23,9 @@ mod turn;
 mod unit;
 mod velodyne;
 mod velodyne_models;
-mod velodyne_tables;
 
+#[cfg(test)]
+mod at128_tests;
 #[cfg(test)]
 mod hesai_tests;
 #[cfg(test)]
@@ -34,6 +35,7 @@ mod robosense_tests;
 #[cfg(test)]
 mod velodyne_tests;
 
+pub use at128::Correction;
 pub use boundary::{Boundary, boundary};
 pub use error::PacketError;
 pub use ouster::STORED;
@@ -44,7 +46,8 @@ pub use unit::{Unit, describes_sensor};
 pub enum Maker {
     /// Velodyne: VLP-16, VLP-32C, HDL-32E, VLS-128.
     Velodyne,
-    /// Hesai: Pandar40P, Pandar64, `PandarQT64`, `PandarQT128`, `PandarXT16`, `PandarXT32`, `PandarXT32M`, `Pandar128E4X`.
+    /// Hesai: Pandar40P, Pandar64, `PandarQT64`, `PandarQT128`, `PandarXT16`, `PandarXT32`, `PandarXT32M`, `Pandar128E4X`,
+    /// `PandarAT128`.
     Hesai,
     /// `RoboSense`: RS-LiDAR-16, RS-LiDAR-32, RS-Bpearl, RS-Helios, RS-Ruby, RS-LiDAR-M1.
     RoboSense,
@@ -153,7 +156,7 @@ pub fn decode_with<'p>(
     let packets = packets.filter(|packet| !describes_sensor(packet.bytes));
     match maker {
         Maker::Velodyne => collect(packets, velodyne::Decoder::default()),
-        Maker::Hesai => collect(packets, hesai::Decoder::default()),
+        Maker::Hesai => collect(packets, hesai::Decoder::new(unit)),
         Maker::RoboSense => collect(packets, robosense::Decoder::new(unit)),
         Maker::Livox => collect(packets, livox::Decoder::default()),
         Maker::Ouster => ouster::decode(packets, unit),

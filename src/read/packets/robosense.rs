@@ -209,13 +209,18 @@ pub(super) fn clock(clock: Clock, bytes: &[u8], at: usize) -> Option<i64> {
 fn beams(model: &Model, info: Option<&[u8]>) -> Result<Vec<Beam>, PacketError> {
     let told = info.and_then(|info| (0..model.lasers).map(|laser| angles(model.told, info, laser)).collect());
     // A sensor that was not calibrated tells the same angle for all.
-    let told =
-        told.filter(|told: &Vec<(f64, f64)>| told.iter().any(|of| told.first().is_some_and(|first| first.0 != of.0)));
+    let told = told.filter(|told: &Vec<(f64, f64)>| {
+        told.iter()
+            .any(|of| told.first().is_some_and(|first| (first.0 - of.0).abs() > 0.0))
+    });
     let nominal = || {
         let elevation = model.nominal?;
         Some((0..model.lasers).map(|laser| (elevation(laser), 0.0)).collect())
     };
-    let angles: Vec<(f64, f64)> = told.or_else(nominal).ok_or(PacketError::Untold { model: model.name })?;
+    let angles: Vec<(f64, f64)> = told.or_else(nominal).ok_or(PacketError::Untold {
+        model: model.name,
+        place: "a packet (DIFOP) that the recording does not have",
+    })?;
     let ring = |of: f64| angles.iter().filter(|other| other.0 < of).count();
     let beam = |&(elevation, azimuth): &(f64, f64)| Beam {
         elevation: Direction::of(elevation),

@@ -33,6 +33,8 @@ pub(super) enum Clock {
 pub(super) enum Fire {
     /// One after another.
     Every(u32),
+    /// Four of each half of the lasers at once, one group after another.
+    Fours(u32),
     /// By a table.
     At(&'static [u16]),
 }
@@ -77,6 +79,7 @@ impl Model {
                 let (cycle, laser) = (channel / self.lasers, channel % self.lasers);
                 u32::try_from(cycle).unwrap_or(0) * self.cycle_ns + u32::try_from(laser).unwrap_or(0) * step
             }
+            Fire::Fours(step) => u32::try_from(channel % (self.lasers / 2) / 4).unwrap_or(0) * step,
             Fire::At(table) => table.get(channel).copied().map_or(0, u32::from),
         }
     }
@@ -232,7 +235,7 @@ const RUBY: Model = Model {
     lasers: 128,
     lens: [0.036_15, 0.0],
     cycle_ns: 55_550,
-    fire: Fire::At(&RUBY_FIRE),
+    fire: Fire::Fours(3236),
     told: Told::Signed {
         at: 468,
         azimuths_at: 852,
@@ -277,23 +280,6 @@ const HUNDREDTHS: Told = Told::Signed {
     at: 468,
     azimuths_at: 564,
     unit: 0.01,
-};
-
-/// Four lasers of each half of the RS-Ruby fire at once, 3.236 microseconds after the last.
-const RUBY_FIRE: [u16; 128] = {
-    let mut table = [0; 128];
-    let mut channel = 0;
-    let mut ns: u16 = 0;
-    while channel < table.len() {
-        table[channel] = ns;
-        channel += 1;
-        if channel % 64 == 0 {
-            ns = 0;
-        } else if channel % 4 == 0 {
-            ns += 3236;
-        }
-    }
-    table
 };
 
 #[expect(clippy::cast_precision_loss, reason = "numbers of lasers")]

@@ -4,6 +4,7 @@
 
 use super::bytes::{u8_at, u16_be};
 use super::robosense::clock;
+use super::robosense_models::is_solid;
 use super::robosense_models::{Clock, SOLID_BYTES};
 use super::turn::Direction;
 use super::{PacketError, Return};
@@ -19,9 +20,9 @@ const ZERO: i32 = 32_768;
 /// Metres of one unit of distance.
 const UNIT: f32 = 0.005;
 
-/// The number of a packet in its scan.
+/// The number of a packet in its scan; `None` where it is of another model.
 pub(super) fn number(bytes: &[u8]) -> Option<u16> {
-    u16_be(bytes, 4)
+    u16_be(bytes, 4).filter(|_| is_solid(bytes))
 }
 
 /// Nanoseconds since 1970 by the sensor's clock; all that can be wrong with the packet is checked.

@@ -241,7 +241,10 @@ fn rs32_has_the_angles_of_its_info_packet() {
     assert!(at(r, 10.0, 90.41 - 0.1, -0.7, [0.03997, 0.0, 90.41]), "{r:?}");
     assert_eq!((r.ring, r.offset_ns), (14, 2 * 55_520 + 4320));
     let untold = scan(&bytes, &Unit::default());
-    assert_eq!(untold, Err(PacketError::Untold { model: "RS-LiDAR-32" }));
+    assert_eq!(
+        untold.clone().map_err(|error| error.to_string()).err().as_deref(),
+        Some("a packet of a RS-LiDAR-32 whose angles are in a packet (DIFOP) that the recording does not have")
+    );
     let all_alike = told(564, 0, 1);
     assert_eq!(scan(&bytes, &all_alike), untold);
 }
@@ -337,7 +340,7 @@ fn m1_sends_angles_with_each_point() {
     let r = only(&solid(1), &Unit::default());
     assert!(at(r, 10.0, -30.0, -5.0, [0.0; 3]), "{r:?}");
     assert_eq!((r.intensity, r.ring, r.offset_ns), (77.0, 4, 200_000));
-    let cut = scan(&solid(1)[..1209], &Unit::default()).map_err(|error| error.to_string());
+    let cut = scan(solid(1).get(..1209).unwrap_or_default(), &Unit::default()).map_err(|error| error.to_string());
     assert_eq!(
         cut.err().as_deref(),
         Some("a packet of 1209 bytes, which is not the length of RS-LiDAR-M1")

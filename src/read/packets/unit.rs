@@ -1,5 +1,8 @@
-//! What is known of one sensor besides the packets of a scan: a packet that tells the angles of its beams, or its metadata.
+//! What is known of one sensor besides the packets of a scan: a packet or a file that tells the angles of its beams, or its metadata.
 
+use std::sync::Arc;
+
+use super::at128::Correction;
 use super::{PacketError, robosense};
 use crate::read::ouster::Metadata;
 
@@ -10,6 +13,8 @@ pub struct Unit {
     info: Vec<u8>,
     /// What that text says.
     metadata: Option<Result<Metadata, PacketError>>,
+    /// The file of corrections (Hesai's AT128).
+    correction: Option<Arc<Correction>>,
 }
 
 impl Unit {
@@ -27,6 +32,20 @@ impl Unit {
     /// The packet that describes the sensor.
     pub(super) fn info(&self) -> Option<&[u8]> {
         (!self.info.is_empty()).then_some(&self.info)
+    }
+
+    /// The sensor that has these corrections.
+    #[must_use]
+    pub fn corrected(correction: Arc<Correction>) -> Self {
+        Self {
+            correction: Some(correction),
+            ..Self::default()
+        }
+    }
+
+    /// Its corrections.
+    pub(super) fn correction(&self) -> Option<&Correction> {
+        self.correction.as_deref()
     }
 
     /// The metadata of an Ouster.

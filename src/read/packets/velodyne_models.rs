@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::turn::Direction;
-use super::velodyne_tables::{HDL32E_ANGLES, VLP16_ANGLES, VLP32C_ANGLES, VLS128_ANGLES};
+use crate::tables::beams::velodyne::{HDL32E_ANGLES, VLP16_ANGLES, VLP32C_ANGLES, VLS128_ANGLES};
 
 /// Units of a block: a distance of two bytes and an intensity of one.
 pub(super) const UNITS: usize = 32;

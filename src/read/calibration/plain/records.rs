@@ -1,5 +1,6 @@
 //! Texts of records: tables with a line of names (CSV), images of COLMAP, and blocks under titles (M2DGR).
 
+use super::super::beams::are_columns;
 use super::super::document::{Fault, Kind, Node};
 use super::super::numbers::number;
 use super::lines::{fault, mapping};
@@ -40,12 +41,19 @@ const MAX_ROWS: usize = 20_000;
 /// The form of a table by its line of names, which comments may precede.
 pub(super) fn table_form(head: &str) -> Option<Form> {
     let mut begin = head.lines().filter(|line| !line.trim().is_empty());
-    begin.find_map(|line| Some(form_of_names(line)).filter(|form| form.is_some() || !is_comment(line)))?
+    begin.find_map(|line| {
+        Some(form_of_names(line)).filter(|form| form.is_some() || !(is_comment(line) || is_mark(line)))
+    })?
 }
 
 /// Whether a line is a comment, unless it has the names of the columns.
 fn is_comment(line: &str) -> bool {
     line.trim_start().starts_with('#')
+}
+
+/// Whether a line is the mark that precedes a table of Hesai.
+fn is_mark(line: &str) -> bool {
+    line.trim_start().starts_with("EEFF")
 }
 
 fn form_of_names(line: &str) -> Option<Form> {
@@ -55,6 +63,7 @@ fn form_of_names(line: &str) -> Option<Form> {
     let is_of_transforms = PLACES.iter().any(|set| has(set)) && has_more;
     let is_of_time = names.iter().any(|name| TIMES.contains(&name.as_str()));
     match (is_of_transforms, is_of_time) {
+        _ if are_columns(&names) => Some(Form::Beams),
         (true, false) => Some(Form::Table),
         (true, true) => Some(Form::Moments),
         _ => None,
@@ -101,10 +110,15 @@ pub(super) fn table(text: &str) -> (Node, Option<Fault>) {
         .into_iter()
         .map(|(name, span)| (column(name), span))
         .collect();
+    let is_of_beams = form_of_names(first) == Some(Form::Beams);
     let mut rows = Vec::new();
     let mut wrong = None;
     for (start, line) in lines.filter(|(_, line)| !is_comment(line)) {
         let found = fields(line, start);
+        // Behind its rows, a table of Hesai may have a line with their checksum.
+        if found.len() == 1 && is_of_beams {
+            continue;
+        }
         if found.len() != names.len() {
             let message = format!("{} fields, but the line of names has {}", found.len(), names.len());
             wrong = Some(fault(start, &message));

@@ -3,6 +3,7 @@
 use super::*;
 use crate::read::calibration::plain::{Form, form};
 use crate::read::calibration::read_plain;
+use crate::source::Place;
 
 /// Reads a text as a file of this name.
 pub(super) fn plain(name: &str, text: &str) -> (Source, Facts) {
@@ -197,6 +198,12 @@ fn tables_have_a_transform_in_each_row() {
         Some(Form::Moments)
     );
     assert_eq!(form("csv", "roll_offset_degree,roll_offset_rad\n1,2\n"), None);
+    assert_eq!(form("csv", "Laser id,Elevation,Azimuth\n1,2,3\n"), Some(Form::Beams));
+    assert_eq!(
+        form("csv", "EEFF,1,1\nChannel,Elevation,Azimuth\n1,2,3\n"),
+        Some(Form::Beams)
+    );
+    assert_eq!(form("csv", "Elevation,Azimuth\n2,3\n"), None);
     let surveyed = "parent,child,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\nbase,lidar,1,2,3,0,0,90\n";
     let (_, facts) = plain("survey.csv", surveyed);
     let pose = facts.claims[0].pose.unwrap().isometry();
@@ -278,4 +285,27 @@ fn numbers_that_are_missing_are_told_with_their_place() {
     );
     let span = problem.place.span().unwrap();
     assert_eq!(&text[span.start..span.end], "0 -1 0 1 0 0 0 0");
+}
+
+#[test]
+fn tables_of_beams_are_read_with_places() {
+    let text = "EEFF,1,1\nLaser id,Elevation,Azimuth\n1,14.794,-1.042\n2,10.944,3.125\n3,x,0\n0c1f\n";
+    let (source, facts) = plain("Pandar40P.csv", text);
+    assert_eq!(source.status, ReadStatus::Read);
+    let [beams] = &facts.beams[..] else {
+        unreachable!("{facts:?}")
+    };
+    assert!(!beams.is_radians && beams.maker == "Hesai" && facts.claims.is_empty());
+    let read: Vec<(u32, f64, f64)> = beams
+        .beams
+        .iter()
+        .map(|beam| (beam.id, beam.elevation, beam.azimuth))
+        .collect();
+    assert_eq!(read, [(1, 14.794, -1.042), (2, 10.944, 3.125)]);
+    let at = |text: &str, place: &Place| place.span().map(|span| text[span.start..span.end].to_owned());
+    assert_eq!(at(text, &beams.beams[1].place).as_deref(), Some("2,10.944,3.125"));
+    assert_eq!(
+        beams.broken.as_ref().and_then(|place| at(text, place)).as_deref(),
+        Some("3,x,0")
+    );
 }

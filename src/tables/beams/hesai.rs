@@ -6,7 +6,7 @@
 
 /// Pandar40P user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static PANDAR40P_ANGLES: [(f32, f32); 40] = [
+pub(crate) static PANDAR40P_ANGLES: [(f32, f32); 40] = [
     (14.794, -1.042), (10.944, -1.042), (7.971, -1.042), (4.969, -1.042), (2.952, -1.042),
     (1.94, -1.042), (1.6, 3.125), (1.263, -5.208), (0.925, -1.042), (0.587, 3.125), (0.249, -5.208),
     (-0.088, -1.042), (-0.425, 3.125), (-0.763, -5.208), (-1.101, -1.042), (-1.439, 3.125),
@@ -19,7 +19,7 @@ pub(super) static PANDAR40P_ANGLES: [(f32, f32); 40] = [
 
 /// Pandar64 user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static PANDAR64_ANGLES: [(f32, f32); 64] = [
+pub(crate) static PANDAR64_ANGLES: [(f32, f32); 64] = [
     (14.9, -1.042), (11.05, -1.042), (8.077, -1.042), (5.075, -1.042), (3.058, -1.042),
     (2.046, -1.042), (1.878, 1.042), (1.706, 3.125), (1.54, 5.208), (1.369, -5.208),
     (1.202, -3.125), (1.031, -1.042), (0.864, 1.042), (0.693, 3.125), (0.526, 5.208),
@@ -37,7 +37,7 @@ pub(super) static PANDAR64_ANGLES: [(f32, f32); 64] = [
 
 /// PandarQT user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static QT64_ANGLES: [(f32, f32); 64] = [
+pub(crate) static QT64_ANGLES: [(f32, f32); 64] = [
     (-52.121, 8.736), (-49.785, 8.314), (-47.577, 7.964), (-45.477, 7.669), (-43.465, 7.417),
     (-41.528, 7.198), (-39.653, 7.007), (-37.831, 6.838), (-36.055, 6.688), (-34.32, 6.554),
     (-32.619, 6.434), (-30.95, 6.326), (-29.308, 6.228), (-27.69, 6.14), (-26.094, 6.059),
@@ -55,7 +55,7 @@ pub(super) static QT64_ANGLES: [(f32, f32); 64] = [
 
 /// QT128C2X user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static QT128_ANGLES: [(f32, f32); 128] = [
+pub(crate) static QT128_ANGLES: [(f32, f32); 128] = [
     (-52.6268, 10.1083), (-51.0281, 9.7195), (-49.515, 9.3843), (-48.0739, 9.0914),
     (-46.6947, 8.8329), (-45.3688, 8.6026), (-44.0897, 8.3959), (-42.8519, 8.2092),
     (-41.6507, 8.0396), (-40.4823, 7.8848), (-39.3433, 7.7429), (-38.2309, 7.6123),
@@ -90,7 +90,7 @@ pub(super) static QT128_ANGLES: [(f32, f32); 128] = [
 
 /// PandarXT-16 user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static XT16_ANGLES: [(f32, f32); 16] = [
+pub(crate) static XT16_ANGLES: [(f32, f32); 16] = [
     (15.0, 0.0), (13.0, 0.0), (11.0, 0.0), (9.0, 0.0), (7.0, 0.0), (5.0, 0.0), (3.0, 0.0),
     (1.0, 0.0), (-1.0, 0.0), (-3.0, 0.0), (-5.0, 0.0), (-7.0, 0.0), (-9.0, 0.0), (-11.0, 0.0),
     (-13.0, 0.0), (-15.0, 0.0),
@@ -99,7 +99,7 @@ pub(super) static XT16_ANGLES: [(f32, f32); 16] = [
 /// The angle correction file of a sensor; the user manual of the PandarXT-32, appendix
 /// on the channel distribution, gives the design: 15°, 14° ... -16° and no azimuth offset.
 #[rustfmt::skip]
-pub(super) static XT32_ANGLES: [(f32, f32); 32] = [
+pub(crate) static XT32_ANGLES: [(f32, f32); 32] = [
     (14.9724, 0.0824), (13.9524, 0.0765), (12.9386, 0.0782), (11.9311, 0.0763), (10.9262, 0.0643),
     (9.9224, 0.0599), (8.9174, 0.0493), (7.9174, 0.045), (6.9199, 0.0344), (5.9199, 0.0277),
     (4.9225, 0.0209), (3.925, 0.0141), (2.93, 0.0087), (1.9362, -0.0005), (0.945, -0.0072),
@@ -111,7 +111,7 @@ pub(super) static XT32_ANGLES: [(f32, f32); 32] = [
 
 /// XT32M2X user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static XT32M_ANGLES: [(f32, f32); 32] = [
+pub(crate) static XT32M_ANGLES: [(f32, f32); 32] = [
     (19.407, 0.094), (18.106, 0.089), (16.801, 0.083), (15.512, 0.077), (14.214, 0.07),
     (12.917, 0.063), (11.661, 0.055), (10.362, 0.046), (9.066, 0.034), (7.769, 0.027),
     (6.475, 0.018), (5.181, 0.006), (3.885, -0.0), (2.595, -0.012), (1.299, -0.023),
@@ -123,7 +123,7 @@ pub(super) static XT32M_ANGLES: [(f32, f32); 32] = [
 
 /// OT128 user manual, appendix on the channel distribution.
 #[rustfmt::skip]
-pub(super) static OT128_ANGLES: [(f32, f32); 128] = [
+pub(crate) static OT128_ANGLES: [(f32, f32); 128] = [
     (15.139, 0.157), (13.432, 0.129), (11.919, 1.258), (10.634, 1.247), (9.967, 0.145),
     (9.3, 0.123), (8.621, 0.1), (7.945, 0.078), (7.595, 1.338), (7.244, 1.316), (6.905, 1.298),
     (6.55, 1.28), (6.193, 1.282), (5.843, 1.334), (5.482, 1.314), (5.116, 1.363), (4.768, 0.141),
@@ -153,7 +153,7 @@ pub(super) static OT128_ANGLES: [(f32, f32); 128] = [
 
 /// Pandar40P user manual, appendix on the absolute time of points: firing time by channel.
 #[rustfmt::skip]
-pub(super) static PANDAR40P_TIMES: [i32; 40] = [
+pub(crate) static PANDAR40P_TIMES: [i32; 40] = [
     -42_220, -28_470, -16_040, -3620, -45_490, -31_740, -47_460, -54_670, -20_620, -33_710, -40_910,
     -8190, -20_620, -27_160, -50_730, -8190, -14_740, -36_980, -45_490, -52_700, -23_890, -31_740,
     -38_950, -11_470, -18_650, -25_190, -48_760, -6230, -12_770, -35_010, -21_920, -9500, -43_520,
@@ -162,7 +162,7 @@ pub(super) static PANDAR40P_TIMES: [i32; 40] = [
 
 /// Pandar64 user manual, appendix on the absolute time of points: firing time by channel.
 #[rustfmt::skip]
-pub(super) static PANDAR64_TIMES: [i32; 64] = [
+pub(crate) static PANDAR64_TIMES: [i32; 64] = [
     -23_180, -21_876, -20_572, -19_268, -17_964, -16_660, -11_444, -46_796, -7532, -36_956, -50_732,
     -54_668, -40_892, -44_828, -31_052, -34_988, -48_764, -52_700, -38_924, -42_860, -29_084,
     -33_020, -46_796, -25_148, -36_956, -50_732, -27_116, -40_892, -44_828, -31_052, -34_988,
@@ -173,7 +173,7 @@ pub(super) static PANDAR64_TIMES: [i32; 64] = [
 
 /// PandarQT user manual, appendix on the absolute time of points: firing time by channel.
 #[rustfmt::skip]
-pub(super) static QT64_TIMES: [i32; 64] = [
+pub(crate) static QT64_TIMES: [i32; 64] = [
     12_310, 14_370, 16_430, 18_490, 20_540, 22_600, 24_660, 26_710, 29_160, 31_220, 33_280, 35_340,
     37_390, 39_450, 41_500, 43_560, 46_610, 48_670, 50_730, 52_780, 54_840, 56_900, 58_950, 61_010,
     63_450, 65_520, 67_580, 69_630, 71_690, 73_740, 75_800, 77_860, 80_900, 82_970, 85_020, 87_080,
@@ -185,7 +185,7 @@ pub(super) static QT64_TIMES: [i32; 64] = [
 /// QT128C2X user manual, appendix on the absolute time of points: firing time by channel in loop 1 (channels 1 to
 /// 32 do not fire).
 #[rustfmt::skip]
-pub(super) static QT128_LOOP1: [i32; 128] = [
+pub(crate) static QT128_LOOP1: [i32; 128] = [
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     27_656, 53_000, 2312, 78_344, 81_512, 5480, 56_168, 30_824, 33_992, 59_336, 8648, 84_680,
     87_848, 11_816, 62_504, 37_160, 40_328, 65_672, 14_984, 91_016, 94_184, 18_152, 68_840, 43_496,
@@ -199,7 +199,7 @@ pub(super) static QT128_LOOP1: [i32; 128] = [
 
 /// The same in loop 2 (channels 33 to 64 do not fire).
 #[rustfmt::skip]
-pub(super) static QT128_LOOP2: [i32; 128] = [
+pub(crate) static QT128_LOOP2: [i32; 128] = [
     2312, 78_344, 27_656, 53_000, 56_168, 30_824, 81_512, 5480, 8648, 84_680, 33_992, 59_336,
     62_504, 37_160, 87_848, 11_816, 14_984, 91_016, 40_328, 65_672, 68_840, 43_496, 94_184, 18_152,
     21_320, 97_352, 46_664, 72_008, 75_176, 49_832, 100_520, 24_488, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
@@ -213,7 +213,7 @@ pub(super) static QT128_LOOP2: [i32; 128] = [
 
 /// OT128 user manual, appendix on the absolute time of points: firing time of the channels 25 to 88.
 #[rustfmt::skip]
-pub(super) static OT128_FAR_TIMES: [i32; 64] = [
+pub(crate) static OT128_FAR_TIMES: [i32; 64] = [
     20_520, 16_549, 10_260, 16_549, 20_520, 3971, 14_231, 7942, 14_231, 7942, 10_260, 1653, 1653,
     3971, 22_838, 22_838, 14_231, 16_549, 20_520, 7942, 10_260, 16_549, 1653, 3971, 10_260, 22_838,
     14_231, 3971, 20_520, 7942, 14_231, 16_549, 1653, 7942, 10_260, 22_838, 1653, 3971, 20_520,

@@ -5,7 +5,7 @@
 
 /// VLP-16 user manual 63-9243, chapter 9, vertical angles by laser.
 #[rustfmt::skip]
-pub(super) static VLP16_ANGLES: [(f64, f64); 16] = [
+pub(crate) static VLP16_ANGLES: [(f64, f64); 16] = [
     (-15.0, 0.0), (1.0, 0.0), (-13.0, 0.0), (3.0, 0.0), (-11.0, 0.0), (5.0, 0.0), (-9.0, 0.0),
     (7.0, 0.0), (-7.0, 0.0), (9.0, 0.0), (-5.0, 0.0), (11.0, 0.0), (-3.0, 0.0), (13.0, 0.0),
     (-1.0, 0.0), (15.0, 0.0),
@@ -13,7 +13,7 @@ pub(super) static VLP16_ANGLES: [(f64, f64); 16] = [
 
 /// VLP-32C user manual 63-9325, chapter 9, vertical angles and azimuth offsets by laser.
 #[rustfmt::skip]
-pub(super) static VLP32C_ANGLES: [(f64, f64); 32] = [
+pub(crate) static VLP32C_ANGLES: [(f64, f64); 32] = [
     (-25.0, -1.4), (-1.0, 4.2), (-1.667, -1.4), (-15.639, 1.4), (-11.31, -1.4), (0.0, 1.4),
     (-0.667, -4.2), (-8.843, 1.4), (-7.254, -1.4), (0.333, 4.2), (-0.333, -1.4), (-6.148, 1.4),
     (-5.333, -4.2), (1.333, 1.4), (0.667, -4.2), (-4.0, 1.4), (-4.667, -1.4), (1.667, 4.2),
@@ -24,7 +24,7 @@ pub(super) static VLP32C_ANGLES: [(f64, f64); 32] = [
 
 /// HDL-32E user manual 63-9113, appendix on the data packet, vertical angles by laser.
 #[rustfmt::skip]
-pub(super) static HDL32E_ANGLES: [(f64, f64); 32] = [
+pub(crate) static HDL32E_ANGLES: [(f64, f64); 32] = [
     (-30.67, 0.0), (-9.33, 0.0), (-29.33, 0.0), (-8.0, 0.0), (-28.0, 0.0), (-6.67, 0.0),
     (-26.67, 0.0), (-5.33, 0.0), (-25.33, 0.0), (-4.0, 0.0), (-24.0, 0.0), (-2.67, 0.0),
     (-22.67, 0.0), (-1.33, 0.0), (-21.33, 0.0), (0.0, 0.0), (-20.0, 0.0), (1.33, 0.0),
@@ -35,7 +35,7 @@ pub(super) static HDL32E_ANGLES: [(f64, f64); 32] = [
 /// VLS-128 user manual 63-9483, chapter 9, vertical angles and azimuth offsets by laser.
 #[rustfmt::skip]
 #[expect(clippy::approx_constant, reason = "an angle in degrees")]
-pub(super) static VLS128_ANGLES: [(f64, f64); 128] = [
+pub(crate) static VLS128_ANGLES: [(f64, f64); 128] = [
     (-11.742, -6.354), (-1.99, -4.548), (3.4, -2.732), (-5.29, -0.911), (-0.78, 0.911),
     (4.61, 2.732), (-4.08, 4.548), (1.31, 6.354), (-6.5, -6.354), (-1.11, -4.548), (4.28, -2.732),
     (-4.41, -0.911), (0.1, 0.911), (6.48, 2.732), (-3.2, 4.548), (2.19, 6.354), (-3.86, -6.354),
