@@ -145,7 +145,7 @@ fn points_are_where_the_rays_ended() {
     });
     let decoded = decode(Maker::Velodyne, received).unwrap();
     assert_eq!(
-        (decoded.model, decoded.refused, decoded.returns.len()),
+        (&*decoded.model, decoded.refused, decoded.returns.len()),
         ("VLP-16", 0, shots.len())
     );
     for (shot, point) in shots.iter().zip(&decoded.returns) {
@@ -304,7 +304,7 @@ fn the_maker_is_that_of_the_packets() {
         };
         let cloud = decoded(["nebula_msgs", "NebulaPackets"], &message(is_cdr, &velodyne, nebula)).unwrap();
         assert_eq!(
-            (cloud.maker, cloud.model, cloud.cloud.width),
+            (cloud.maker, &*cloud.model, cloud.cloud.width),
             ("Velodyne", "VLP-16", 1),
             "{encoding}"
         );

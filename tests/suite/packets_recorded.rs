@@ -25,7 +25,7 @@ type Point = [f32; 3];
 struct Points {
     decoders: Vec<Decoder>,
     seen: Vec<Point>,
-    models: Vec<&'static str>,
+    models: Vec<String>,
 }
 
 impl Visit for Points {
@@ -39,7 +39,7 @@ impl Visit for Points {
         let Body::Packets(scan) = content.body else { return };
         let decoded = scan.decode(content.header.unwrap().stamp_ns).unwrap();
         assert_eq!((decoded.refused, decoded.reason), (0, None));
-        self.models.push(decoded.model);
+        self.models.push(decoded.model.into_owned());
         let cloud = decoded.cloud;
         let axes = ["x", "y", "z"].map(|name| cloud.column(name).unwrap());
         let point = |number| axes.map(|axis| axis.of(cloud.point(0, number).unwrap()).unwrap() as f32);

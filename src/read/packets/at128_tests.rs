@@ -62,7 +62,7 @@ fn points_are_corrected_by_the_file() {
     assert_eq!(Maker::of(&bytes), Some(Maker::Hesai));
     let scan = scan(&bytes, &corrected()).unwrap_or_else(|error| unreachable!("{error}"));
     assert_eq!(
-        (scan.model, scan.start_ns),
+        (&*scan.model, scan.start_ns),
         ("PandarAT128", Some(1_735_689_600_000_100_000))
     );
     let [first, second] = scan.returns[..] else {

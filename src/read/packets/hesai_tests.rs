@@ -132,7 +132,7 @@ impl Kind {
         let mut bytes = self.packet(mode);
         self.hit(&mut bytes, block, channel, 2500);
         let scan = scan(&bytes).unwrap_or_else(|error| unreachable!("{error}"));
-        assert_eq!((scan.model, scan.returns.len()), (self.name, 1));
+        assert_eq!((&*scan.model, scan.returns.len()), (self.name, 1));
         assert_eq!(scan.start_ns, Some(1_593_086_529_000_100_000));
         let r = scan.returns.first().copied().unwrap_or_else(|| unreachable!());
         let (elevation, azimuth) = (angles.0.to_radians(), (30.0 + angles.1).to_radians());
@@ -267,7 +267,7 @@ fn refuses_with_a_plain_sentence() {
     let refusal = |kind: Kind, change: &dyn Fn(&mut Vec<u8>)| {
         let mut bytes = kind.packet(0x37);
         change(&mut bytes);
-        scan(&bytes).map_or_else(|error| error.to_string(), |scan| scan.model.to_owned())
+        scan(&bytes).map_or_else(|error| error.to_string(), |scan| scan.model.into_owned())
     };
     let version = refusal(XT32, &|b| put(b, 2, &[4, 7]));
     assert_eq!(

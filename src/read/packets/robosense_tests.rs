@@ -181,7 +181,7 @@ fn the_model_is_told_by_the_header_and_the_blocks() {
         let unit = told(if kind.header == 80 { 852 } else { 564 }, kind.channels.min(128), 1);
         let model = scan(&kind.packet(), &unit).map(|scan| scan.model);
         // The info packet of an RS-LiDAR-16 has its angles elsewhere: those of the model hold.
-        assert_eq!(model, Ok(kind.name));
+        assert_eq!(model, Ok(kind.name.into()));
         assert_eq!(Maker::of(&kind.packet()), Some(Maker::RoboSense));
     }
 }
@@ -369,7 +369,7 @@ fn refuses_with_a_plain_sentence() {
     let refusal = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut bytes = HELIOS.packet();
         change(&mut bytes);
-        scan(&bytes, &told(564, 32, 4)).map_or_else(|error| error.to_string(), |scan| scan.model.to_owned())
+        scan(&bytes, &told(564, 32, 4)).map_or_else(|error| error.to_string(), |scan| scan.model.into_owned())
     };
     assert_eq!(refusal(&|_| ()), "RS-Helios");
     assert_eq!(

@@ -200,7 +200,7 @@ fn refuses_with_a_plain_sentence() {
     let refusal = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut bytes = packet(0x22, 0x37);
         change(&mut bytes);
-        scan(&bytes).map_or_else(|error| error.to_string(), |scan| scan.model.to_owned())
+        scan(&bytes).map_or_else(|error| error.to_string(), |scan| scan.model.into_owned())
     };
     assert_eq!(refusal(&|_| ()), "VLP-16");
     assert_eq!(
@@ -239,7 +239,7 @@ fn counts_what_it_refuses() {
     let (good, other, none) = (packet(0x22, 0x37), packet(0x28, 0x37), Vec::new());
     let packets = [&none, &good, &other, &good].map(|bytes| Packet { received_ns: 0, bytes });
     let scan = decode(Maker::Velodyne, packets.into_iter()).unwrap_or_else(|error| unreachable!("{error}"));
-    assert_eq!((scan.model, scan.refused), ("VLP-16", 2));
+    assert_eq!((&*scan.model, scan.refused), ("VLP-16", 2));
     assert_eq!(
         scan.reason.map(|r| r.to_string().starts_with("a packet of 0 bytes")),
         Some(true)
