@@ -21,6 +21,7 @@ mod metadata;
 mod packets;
 mod pcap;
 mod plain;
+mod points;
 mod rosbag1;
 mod urdf;
 mod yaml;
@@ -78,6 +79,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("packets", packets::run),
     ("pcap", pcap::run),
     ("plain", plain::run),
+    ("points", points::run),
     ("rosbag1", rosbag1::run),
     ("urdf", urdf::run),
     ("yaml", yaml::run),

@@ -237,7 +237,8 @@ fn thin_clouds(from: usize, inputs: &mut Inputs) {
         let step = |index: usize| index * (MAX_CLOUDS - 1) / count.saturating_sub(1).max(1);
         let is_kept = count <= MAX_CLOUDS || *index == 1 || step(*index - 1) > step(*index - 2);
         if !is_kept {
-            *skipped.entry(ending(&input.path)).or_default() += 1;
+            let of_series = format!("{} of a series ({MAX_CLOUDS} are read)", ending(&input.path));
+            *skipped.entry(of_series).or_default() += 1;
         }
         is_kept
     });

@@ -56,8 +56,6 @@ pub struct PointsSeen {
     pub most: [f64; 3],
     /// Whether every coordinate is a number of float32.
     pub is_single: bool,
-    /// Whether every coordinate is a whole number.
-    pub is_whole: bool,
     /// The relief along x, y and z.
     pub relief: [Relief; 3],
 }

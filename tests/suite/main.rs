@@ -60,6 +60,7 @@ mod packets_captured_damage;
 mod packets_drives;
 mod packets_recorded;
 mod pages;
+mod points;
 mod policy;
 mod readers;
 mod readme;

@@ -9,6 +9,7 @@ use std::path::Path;
 use frames_lint::engine::{self, Options, Retention, VerdictScope};
 use frames_lint::page::Page;
 use frames_lint::run::Run;
+use frames_lint::source::SourceKind;
 use frames_lint::tables::views;
 use frames_lint::verdict::Finding;
 use frames_lint::view::scene as scene_of;
@@ -76,6 +77,10 @@ pub(crate) fn unseen(page: &Page, title: &str, run: &Run) -> Option<String> {
     let Some(row) = views::of(page.view) else {
         return Some(format!("{code}: `{}` is no row of the table of views", page.view));
     };
+    // Points of files are not drawn.
+    if run.sources.iter().all(|source| source.kind == SourceKind::Points) {
+        return None;
+    }
     let see = row.see.as_ref()?;
     let scene = scene_of(run);
     let told = scene.items.iter().any(|item| {

@@ -3,7 +3,7 @@
 
 use crate::world::point_file::{CrsKind, StatedCrs};
 
-use super::las::Record;
+use super::Record;
 
 const GEO_KEYS: u16 = 34_735;
 const WKT: u16 = 2112;

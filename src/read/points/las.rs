@@ -9,7 +9,7 @@ use crate::world::cloud::PointField;
 use crate::world::point_file::{LasHeader, PointFormat};
 
 use super::sample::{Tape, xyz};
-use super::{Cloud, Fault, crs, laz};
+use super::{Cloud, Fault, Record, crs, laz};
 
 /// Records behind the header that are looked at.
 const MAX_RECORDS: u64 = 1000;
@@ -19,13 +19,6 @@ const MAX_RECORD: u64 = 1 << 20;
 const HEADER: usize = 227;
 /// The bytes of a point in each format.
 const POINT_BYTES: [u16; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
-
-/// A record with its user and its number.
-pub(super) struct Record {
-    pub(super) user: String,
-    pub(super) id: u16,
-    pub(super) data: Vec<u8>,
-}
 
 /// Little-endian numbers of the header.
 struct Numbers<'h>(&'h [u8]);

@@ -68,6 +68,13 @@ struct Cloud {
     faults: Vec<Fault>,
 }
 
+/// A record of a LAS file, with its user and its number.
+struct Record {
+    user: String,
+    id: u16,
+    data: Vec<u8>,
+}
+
 /// What a file of points contains. Its header becomes the text of the source, if it is one.
 pub fn read(file: impl Read + Seek, source: &mut Source) -> Facts {
     let cloud = Tape::new(file).map_err(Fault::from).and_then(|mut tape| {
@@ -124,8 +131,7 @@ fn header_text(head: &[u8], is_last: impl Fn(&str) -> bool) -> Result<(String, u
     let mut end = 0;
     for line in head.split_inclusive(|byte| *byte == b'\n') {
         end += line.len();
-        let line = std::str::from_utf8(line).map_err(|_| Fault::new("the header is not a text"))?;
-        if is_last(line.trim()) {
+        if is_last(String::from_utf8_lossy(line).trim()) {
             let text = head.get(..end).map(String::from_utf8_lossy).unwrap_or_default();
             return Ok((text.into_owned(), end as u64));
         }
@@ -165,7 +171,6 @@ fn seen(points: &[[f64; 3]]) -> Option<PointsSeen> {
         least,
         most: bound(f64::max),
         is_single: values().all(is_single),
-        is_whole: values().all(|value| value.fract() == 0.0),
         relief: relief::relief(&near).map(|(extent, [low, high], cells)| Relief {
             extent,
             low,

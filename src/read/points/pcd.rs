@@ -256,8 +256,10 @@ fn compressed(
         );
         return Err(Fault::new(message));
     }
-    let packed = tape.at(start + 8, usize::try_from(packed).unwrap_or_default())?;
+    let size = usize::try_from(packed).unwrap_or(usize::MAX);
+    let packed = tape.at(start + 8, size)?;
     let data = lzf::unpack(&packed, usize::try_from(needed).unwrap_or_default());
+    let data = data.filter(|_| packed.len() == size);
     let data = data.ok_or_else(|| Fault::new("the compressed points are damaged or cut off"))?;
     let columns = fields.columns(block)?;
     let size = |index: usize| {

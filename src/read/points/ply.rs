@@ -10,16 +10,14 @@ use crate::world::cloud::PointField;
 use crate::world::point_file::PointFormat;
 
 use super::sample::{Tape, xyz, xyz_of_line};
-use super::{Cloud, Fault, MAX_STRIDE, header_text, lines};
+use super::{Cloud, Fault, MAX_STRIDE, PLY_MAGIC, header_text, lines};
 
 const END: &str = "end_header";
 
 /// Whether a file with these first bytes is a cloud.
 pub(crate) fn is_cloud(head: &[u8]) -> bool {
-    let Ok((text, _)) = header_text(head, |line| line == END) else {
-        // A header that is cut off is reported.
-        return head.starts_with(b"ply\n") || head.starts_with(b"ply\r\n");
-    };
+    let text = String::from_utf8_lossy(head);
+    let text = text.split(END).next().unwrap_or_default();
     let has_faces = |line: &str| {
         let count = ["element face ", "element tristrips ", "element edge "];
         let count = count.iter().find_map(|start| line.strip_prefix(start));
@@ -27,7 +25,9 @@ pub(crate) fn is_cloud(head: &[u8]) -> bool {
     };
     // The colours of a splat.
     let is_splat = |line: &str| line.ends_with(" f_dc_0");
-    text.contains("element vertex") && !text.lines().any(|line| has_faces(line) || is_splat(line))
+    head.starts_with(PLY_MAGIC)
+        && text.contains("element vertex")
+        && !text.lines().any(|line| has_faces(line) || is_splat(line))
 }
 
 /// One kind of things of the file.

@@ -66,7 +66,6 @@ fn cause(crs: &StatedCrs, seen: &PointsSeen, limits: &Limits) -> Option<Cause> {
         && within(y, y_most, -90.0, 90.0)
         && x_most - x <= limits.degrees_extent
         && y_most - y <= limits.degrees_extent;
-    // Steps of a LAS file in degrees are below a millionth.
     match crs.kind {
         CrsKind::Geographic if within(x, x_most, -360.0, 360.0) && within(y, y_most, -90.0, 90.0) => None,
         CrsKind::Geographic if within(x, x_most, -90.0, 90.0) && within(y, y_most, -180.0, 180.0) => Some(SWAPPED),

@@ -59,9 +59,10 @@ fn judge_one(subject: String, name: &str, stated: &SourceValue<Viewpoint>, limit
     if !is_turned && shift_m <= limits.max_shift_m {
         return out.pass(subject, measured);
     }
-    let what = match is_turned {
-        true => format!("rotated by {turn_deg:.1} deg, {shift_m:.2} m away"),
-        false => format!("{shift_m:.2} m from the origin"),
+    let what = if is_turned {
+        format!("rotated by {turn_deg:.1} deg, {shift_m:.2} m away")
+    } else {
+        format!("{shift_m:.2} m from the origin")
     };
     let message = format!("`{name}`: `VIEWPOINT` is {what}; most programs ignore it");
     let finding = Finding::warning(subject, message, stated.place.clone())
