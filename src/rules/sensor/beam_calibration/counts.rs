@@ -36,7 +36,7 @@ pub(super) fn judge(file: &BeamCalibration, path: &str, out: &mut Judge) {
             return out.pass(subject, [measured]);
         };
         let message = format!(
-            "{path}: `num_lasers` is {}, but {count} lasers are listed",
+            "`{path}`: `num_lasers` is {}, but {count} lasers are listed",
             stated.value
         );
         let detail = "The driver reads as many as `num_lasers` says: fewer are ignored, more are a fault.";
