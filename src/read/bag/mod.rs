@@ -60,6 +60,24 @@ pub struct Channel {
     pub total: Option<u64>,
 }
 
+impl Channel {
+    /// A channel of a file that has none: its messages are made by the reader, of a type with a definition that is built in.
+    fn made(number: usize, topic: String, message_type: &str, message_encoding: &str) -> Self {
+        Self {
+            number,
+            topic,
+            message_type: message_type.to_owned(),
+            schema: Arc::from([]),
+            schema_encoding: String::new(),
+            message_encoding: message_encoding.to_owned(),
+            metadata: BTreeMap::new(),
+            writer: None,
+            latched: false,
+            total: None,
+        }
+    }
+}
+
 /// One message, borrowed from the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<'a> {

@@ -5,7 +5,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::BufReader;
-use std::sync::Arc;
 
 use crate::read::messages::assembled::{AssembledScan, MadeMessage};
 use crate::read::messages::packets::ASSEMBLED;
@@ -110,11 +109,11 @@ fn announced(osf: &Osf<BufReader<File>>, task: &mut Task<'_>) -> BTreeMap<u32, S
         let serial = metadata.as_ref().map_or(0, |metadata| metadata.serial);
         let name = if serial == 0 { sensor.id.into() } else { serial };
         let number = streams.len() * 2;
-        let points = channel(number, format!("/osf/{name}/points"), "ouster_osf/LidarScan");
+        let points = Channel::made(number, format!("/osf/{name}/points"), "ouster_osf/LidarScan", ASSEMBLED);
         let imu = metadata
             .as_ref()
             .filter(|metadata| metadata.imu_measurements_per_packet > 0);
-        let imu = imu.map(|_| channel(number + 1, format!("/osf/{name}/imu"), "sensor_msgs/msg/Imu"));
+        let imu = imu.map(|_| Channel::made(number + 1, format!("/osf/{name}/imu"), "sensor_msgs/msg/Imu", ASSEMBLED));
         for channel in std::iter::once(&points).chain(&imu) {
             task.visit.channel(channel);
         }
@@ -129,21 +128,6 @@ fn announced(osf: &Osf<BufReader<File>>, task: &mut Task<'_>) -> BTreeMap<u32, S
         );
     }
     streams
-}
-
-fn channel(number: usize, topic: String, message_type: &str) -> Channel {
-    Channel {
-        number,
-        topic,
-        message_type: message_type.to_owned(),
-        schema: Arc::from([]),
-        schema_encoding: String::new(),
-        message_encoding: ASSEMBLED.to_owned(),
-        metadata: BTreeMap::new(),
-        writer: None,
-        latched: false,
-        total: None,
-    }
 }
 
 /// The chunks that are read.

@@ -4,7 +4,6 @@
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
-use std::sync::Arc;
 
 use crate::read::bag::{Channel, Message, Visit};
 use crate::read::messages::assembled::MadeMessage;
@@ -89,10 +88,10 @@ impl<'v> Senders<'v> {
             *in_a_row = if is_maker { *in_a_row + 1 } else { 0 };
             let topic = || format!("/udp/{}", SocketAddr::new(source, port));
             let announced = if is_known || is_imu || *in_a_row >= IN_A_ROW {
-                Kind::Lidar(channel(self.channels, topic(), "udp_msgs/msg/UdpPacket", "cdr"))
+                Kind::Lidar(Channel::made(self.channels, topic(), "udp_msgs/msg/UdpPacket", "cdr"))
             } else if sentence(data).is_some() {
                 Kind::Nmea(
-                    channel(self.channels, topic(), "nmea_msgs/msg/Sentence", ASSEMBLED),
+                    Channel::made(self.channels, topic(), "nmea_msgs/msg/Sentence", ASSEMBLED),
                     String::new(),
                 )
             } else {
@@ -124,21 +123,6 @@ impl<'v> Senders<'v> {
         };
         self.messages += 1;
         self.visit.message(channel, &Message { log_ns, data });
-    }
-}
-
-fn channel(number: usize, topic: String, message_type: &str, encoding: &str) -> Channel {
-    Channel {
-        number,
-        topic,
-        message_type: message_type.to_owned(),
-        schema: Arc::from([]),
-        schema_encoding: String::new(),
-        message_encoding: encoding.to_owned(),
-        metadata: BTreeMap::new(),
-        writer: None,
-        latched: false,
-        total: None,
     }
 }
 
