@@ -30,8 +30,11 @@ pub(super) const TURN: usize = 75;
 
 type Point = [f64; 3];
 
+/// When a packet was sent, nanoseconds, and its bytes.
+type Sent = (i64, Vec<u8>);
+
 /// The packets of so many turns of a VLP-16, and what is decoded of each turn.
-pub(super) fn turns(count: usize) -> (Vec<(i64, Vec<u8>)>, Vec<Vec<Point>>) {
+pub(super) fn turns(count: usize) -> (Vec<Sent>, Vec<Vec<Point>>) {
     let (mut packets, mut clouds) = (Vec::new(), Vec::new());
     for turn in 0..count {
         let scan = Scan {
@@ -142,7 +145,7 @@ fn captures_of_every_kind_have_the_scans_of_the_sensor() {
         (pcap(true, true), Link::Cooked2, Ip::Fragments6),
         (ng(false, 6), Link::Raw, Ip::V6),
         (ng(true, 9), Link::Loopback, Ip::V4),
-        (ng(false, 0x80 | 30), Link::Vlan, Ip::Fragments),
+        (ng(false, 0x80 + 30), Link::Vlan, Ip::Fragments),
     ];
     let folder = folder();
     let path = folder.path().join("drive.pcap");

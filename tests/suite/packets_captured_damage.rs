@@ -1,6 +1,6 @@
 //! Damaged captures, and parts of large ones: what is lost is said with its place, what is read is what was captured.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
 use std::collections::BTreeSet;
 use std::fs;

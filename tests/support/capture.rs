@@ -236,7 +236,7 @@ impl Capture {
 
 fn v4(from: [u8; 4], part: &[u8], (id, offset, more): (u16, u16, bool)) -> Vec<u8> {
     let total = u16::try_from(20 + part.len()).unwrap();
-    let place = offset / 8 | if more { 0x2000 } else { 0 };
+    let place = (offset / 8) | if more { 0x2000 } else { 0 };
     let mut packet = vec![0x45, 0];
     for number in [total, id, place] {
         packet.extend(number.to_be_bytes());

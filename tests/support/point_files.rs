@@ -119,8 +119,10 @@ impl PointsRecipe {
         point.into_iter().flat_map(number).collect()
     }
 
-    fn lines(&self) -> String {
-        self.xyz().iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect()
+    /// A line for each point, with this behind its coordinates.
+    fn lines(&self, rest: &str) -> String {
+        let lines = self.xyz().into_iter().map(|[x, y, z]| format!("{x} {y} {z}{rest}\n"));
+        lines.collect::<Vec<_>>().concat()
     }
 
     fn pcd(&self) -> Vec<u8> {
@@ -133,12 +135,7 @@ impl PointsRecipe {
         let points = self.xyz();
         let with_intensity = |point: &[f64; 3]| [self.numbers(*point, false), vec![0; 4]].concat();
         let data = match self.data.as_str() {
-            "ascii" => self
-                .xyz()
-                .iter()
-                .map(|[x, y, z]| format!("{x} {y} {z} 0\n"))
-                .collect::<String>()
-                .into_bytes(),
+            "ascii" => self.lines(" 0").into_bytes(),
             "binary" => points.iter().flat_map(with_intensity).collect(),
             "binary_compressed" => {
                 let all: Vec<u8> = points.iter().flat_map(with_intensity).collect();
@@ -172,7 +169,7 @@ impl PointsRecipe {
             self.points
         );
         let points = if data == "ascii" {
-            self.lines().into_bytes()
+            self.lines("").into_bytes()
         } else {
             let is_big = data == "binary_big_endian";
             self.xyz()
@@ -277,10 +274,9 @@ impl PointsRecipe {
             let start = file.len() as u64;
             let mut cursor = Cursor::new(file);
             cursor.set_position(start);
-            let mut compressor = laz::LasZipCompressor::new(&mut cursor, layout).unwrap();
-            compressor.compress_many(&data).unwrap();
-            compressor.done().unwrap();
-            drop(compressor);
+            let mut packed = laz::LasZipCompressor::new(&mut cursor, layout).unwrap();
+            packed.compress_many(&data).and_then(|()| packed.done()).unwrap();
+            drop(packed);
             return cursor.into_inner();
         }
         file.extend(data);

@@ -106,7 +106,7 @@ impl KnownSensors {
         };
         let fitting = self.0.iter().filter(|known| fits(&known.metadata).is_some());
         let mut ranked: Vec<(_, &Known)> = fitting.map(|known| (rank(known), known)).collect();
-        ranked.sort_by(|a, b| b.0.cmp(&a.0));
+        ranked.sort_by_key(|(rank, _)| std::cmp::Reverse(*rank));
         match ranked.as_slice() {
             [(best, one), (second, other), ..] if best == second && !decodes_alike(one, other) => None,
             [(_, known), ..] => Some(known),

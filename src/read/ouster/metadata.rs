@@ -275,12 +275,6 @@ fn rows(keys: &Keys, product_line: &str, angles: usize) -> Result<u16, OusterErr
     bounded(key, found, 1, MOST_ROWS)
 }
 
-/// A number of a column that is not checked further: it is for information.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the cast saturates"
-)]
 /// A transform along x.
 fn shifted(x_mm: f64) -> Matrix {
     let mut matrix = IDENTITY;

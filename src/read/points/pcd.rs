@@ -21,11 +21,11 @@ type Entry<'t> = (Vec<&'t str>, Span);
 
 /// The columns of a point.
 struct Fields {
-    fields: Vec<PointField>,
+    named: Vec<PointField>,
     /// By field: its first byte, the bytes of one number, and the type if it is known.
     places: Vec<(u64, u64, Option<Datatype>)>,
     stride: u64,
-    /// Numbers x, y and z in `fields`.
+    /// Numbers x, y and z in `named`.
     xyz: [usize; 3],
 }
 
@@ -67,7 +67,7 @@ pub(super) fn read(tape: &mut Tape<impl Read + Seek>, head: &[u8], source: &mut 
             let numbers: Vec<usize> = fields
                 .xyz
                 .iter()
-                .map(|field| fields.fields.iter().take(*field).map(|one| one.count as usize).sum())
+                .map(|field| fields.named.iter().take(*field).map(|one| one.count as usize).sum())
                 .collect();
             let [x, y, z] = *numbers else {
                 return Err(Fault::new("x, y and z are missing"));
@@ -89,7 +89,7 @@ pub(super) fn read(tape: &mut Tape<impl Read + Seek>, head: &[u8], source: &mut 
             }
             let columns = fields.columns(|(at, ..)| at)?;
             tape.records(start, (fields.stride, stated.min(held)), |point| {
-                points.push(xyz(columns, point))
+                points.push(xyz(columns, point));
             })?;
         }
         Some("binary_compressed") => points = compressed(tape, start, &fields, stated)?,
@@ -98,7 +98,7 @@ pub(super) fn read(tape: &mut Tape<impl Read + Seek>, head: &[u8], source: &mut 
             return Err(Fault::at(span, message));
         }
     }
-    file.fields = fields.fields;
+    file.fields = fields.named;
     Ok(Cloud { file, points, faults })
 }
 
@@ -150,7 +150,7 @@ impl Fields {
         };
         Ok(Self {
             xyz: [place("x")?, place("y")?, place("z")?],
-            fields,
+            named: fields,
             places,
             stride,
         })

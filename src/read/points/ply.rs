@@ -103,7 +103,7 @@ pub(super) fn read(tape: &mut Tape<impl Read + Seek>, head: &[u8], source: &mut 
             faults.push(cut(held));
         }
         tape.records(start, (stride, vertices.count.min(held)), |point| {
-            points.push(xyz(columns, point))
+            points.push(xyz(columns, point));
         })?;
     }
     let file = PointFile {

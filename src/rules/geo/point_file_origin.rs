@@ -4,7 +4,7 @@ use crate::analysis::point_files::{NamedPoints, position, utm_distance_m};
 use crate::math::utm;
 use crate::rules::prelude::*;
 use crate::world::EarthOrigin;
-use crate::world::point_file::{PointFormat, PointsSeen};
+use crate::world::point_file::{PointFormat, PointsSeen, StatedCrs};
 
 pub(crate) struct PointFileOrigin;
 
@@ -29,7 +29,7 @@ impl Rule for PointFileOrigin {
                 out.too_little(subject, "no point was read");
                 continue;
             };
-            let zone = points.file.crs.as_ref().and_then(|crs| crs.utm());
+            let zone = points.file.crs.as_ref().and_then(StatedCrs::utm);
             let local = world.origins.iter().find(|origin| is_local(origin));
             match (zone, local) {
                 (Some(zone), _) => judge_grid(subject, (&points, seen), zone, &world.origins, limits, out),

@@ -11,6 +11,7 @@ pub(crate) struct PcdViewpoint;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(clippy::struct_field_names, reason = "all of them are maxima")]
 pub(crate) struct Limits {
     max_norm_off: f64,
     max_turn_deg: f64,

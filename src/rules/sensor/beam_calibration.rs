@@ -12,6 +12,7 @@ pub(crate) struct BeamAngles;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(clippy::struct_field_names, reason = "all of them are maxima")]
 pub(crate) struct Limits {
     max_elevation_deg: f64,
     max_azimuth_deg: f64,

@@ -85,12 +85,17 @@ impl Stop {
 
 /// Reads a capture; see [`super::read`].
 pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
+    let Task {
+        wanted,
+        source,
+        progress,
+        visit,
+    } = task;
     let mut tape = Tape::new(file, total);
     let layout = match Layout::of(&mut tape) {
         Ok(layout) => layout,
         Err(why) => {
-            task.source
-                .problem(ReadStatus::Unreadable, Place::whole(task.source.id), why);
+            source.problem(ReadStatus::Unreadable, Place::whole(source.id), why);
             return super::NOTHING;
         }
     };
@@ -98,18 +103,18 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         tape,
         layout,
         network: Network::default(),
-        senders: Senders::new(task.visit),
+        senders: Senders::new(visit),
         losses: Losses::default(),
         counts: Counts::default(),
         plausible_ns: (0, i64::MAX),
-        progress: task.progress,
+        progress,
     };
     let span_ns = pass.span();
     if let Some((first_ns, last_ns)) = span_ns {
         let (earliest, latest) = (first_ns.min(last_ns), first_ns.max(last_ns));
         pass.plausible_ns = (earliest.saturating_sub(SLACK_NS), latest.saturating_add(SLACK_NS));
     }
-    let whole = match &task.wanted.sampling {
+    let whole = match &wanted.sampling {
         Some(sampling) if sampling.bytes < total => pass.sample(sampling, span_ns),
         _ => {
             let start = pass.layout.start();
@@ -118,7 +123,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         }
     };
     (pass.progress)(total, total);
-    pass.report(whole, span_ns, task.source)
+    pass.report(whole, span_ns, source)
 }
 
 impl Pass<'_, '_> {

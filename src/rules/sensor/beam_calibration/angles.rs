@@ -33,16 +33,12 @@ pub(super) fn judge(file: &BeamCalibration, path: &str, fit: Option<&BeamFit>, l
         if steepest.abs() > STEEPEST_DEG {
             return out.fail(unit().measured(measured));
         }
-        return match sized(file).next() {
-            Some(model) => {
-                let why = format!("the angles of a {} differ from sensor to sensor", model.name);
-                out.not_applicable(subject, why);
-            }
-            None => {
-                let why = format!("{} has no known model with {} beams", file.maker, file.beams.len());
-                out.missing(subject, why);
-            }
-        };
+        if let Some(model) = sized(file).next() {
+            let why = format!("the angles of a {} differ from sensor to sensor", model.name);
+            return out.not_applicable(subject, why);
+        }
+        let why = format!("{} has no known model with {} beams", file.maker, file.beams.len());
+        return out.missing(subject, why);
     };
     let name = fit.model.name;
     let [off, read_off] = fit.off_deg;
