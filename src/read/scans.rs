@@ -333,9 +333,6 @@ impl Lidar {
         self.is_begun |= begins;
         if self.scan.scan.is_empty() {
             self.scan.scan.begin(packet.received_ns, frame);
-            if let Some(text) = &self.metadata {
-                self.scan.scan.describe(text);
-            }
             self.scan.span_ns.0 = log_ns;
         }
         self.scan.span_ns.1 = log_ns;
@@ -349,7 +346,7 @@ impl Lidar {
         let is_undescribed = self.maker == Maker::Ouster && self.metadata.is_none();
         if (self.is_begun || is_long) && !is_undescribed {
             self.has_scans = true;
-            pass(&mut self.scan, &self.channel, visit);
+            pass(&mut self.scan, self.metadata.as_deref(), &self.channel, visit);
         } else {
             self.keep_part();
         }
@@ -373,7 +370,7 @@ impl Lidar {
     fn finish(&mut self, visit: &mut dyn Visit) {
         self.keep_part();
         if !self.has_scans {
-            pass(&mut self.part, &self.channel, visit);
+            pass(&mut self.part, self.metadata.as_deref(), &self.channel, visit);
         }
     }
 }
@@ -396,8 +393,12 @@ fn received_ns(packet: &Packet<'_>, log_ns: i64) -> i64 {
     }
 }
 
-fn pass(gathered: &mut Gathered, channel: &Channel, visit: &mut dyn Visit) {
+/// Passes on a scan, with the metadata of its sensor, which may have come in its midst.
+fn pass(gathered: &mut Gathered, metadata: Option<&str>, channel: &Channel, visit: &mut dyn Visit) {
     let log_ns = gathered.span_ns.1;
+    if let Some(text) = metadata.filter(|_| !gathered.scan.is_empty()) {
+        gathered.scan.describe(text);
+    }
     if let Some(data) = gathered.scan.message() {
         visit.message(channel, &Message { log_ns, data });
     }

@@ -114,7 +114,7 @@ fn points_are_those_of_another_decoder() {
         };
         bag::read(&whole, &Selection::ALL, &mut source, &|_, _| {}, &mut read);
         assert!(
-            read.models.iter().all(|known| *known == model),
+            read.models.iter().all(|known| known == model),
             "{name}: {:?}",
             read.models
         );

@@ -38,9 +38,9 @@ impl Imu {
     }
 }
 
-/// Whether a packet may be of an IMU, by its length or the type that it states.
+/// Whether a packet may be of an IMU, by its length or the type that it states; the buffers of the driver of ROS 1 have a byte more.
 pub fn may_be_imu(bytes: &[u8]) -> bool {
-    bytes.len() == LEGACY_BYTES || (bytes.len() > NMEA_BYTES && bytes.first() == Some(&2))
+    (LEGACY_BYTES..=LEGACY_BYTES + 1).contains(&bytes.len()) || (bytes.len() > NMEA_BYTES && bytes.first() == Some(&2))
 }
 
 /// The measurements of an IMU packet; those that the sensor marks as invalid are left out.

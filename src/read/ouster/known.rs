@@ -84,7 +84,9 @@ impl KnownSensors {
 
     /// What an IMU packet says, by the metadata that it decodes by.
     pub fn of_imu(&self, packet: &[u8], origin: &Origin<'_>) -> Option<Vec<Imu>> {
-        let read = |metadata: &Metadata| imu(metadata, packet).ok();
+        // The buffers of the driver of ROS 1 have a byte more.
+        let shorter = packet.split_last().map_or(packet, |(_, rest)| rest);
+        let read = |metadata: &Metadata| imu(metadata, packet).or_else(|_| imu(metadata, shorter)).ok();
         let known = self.best(
             origin,
             |metadata| metadata.imu_port,
