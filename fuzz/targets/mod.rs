@@ -18,6 +18,8 @@ mod made_calibration;
 mod made_urdf;
 mod mcap;
 mod metadata;
+mod osf;
+mod ouster;
 mod packets;
 mod pcap;
 mod plain;
@@ -76,6 +78,8 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("made_urdf", made_urdf::run),
     ("mcap", mcap::run),
     ("metadata", metadata::run),
+    ("osf", osf::run),
+    ("ouster", ouster::run),
     ("packets", packets::run),
     ("pcap", pcap::run),
     ("plain", plain::run),
