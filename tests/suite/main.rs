@@ -58,6 +58,8 @@ mod packets;
 mod packets_captured;
 mod packets_captured_damage;
 mod packets_drives;
+mod packets_ouster;
+mod packets_ouster_read;
 mod packets_recorded;
 mod pages;
 mod points;

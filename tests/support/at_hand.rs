@@ -61,13 +61,13 @@ pub fn lidar_packets() -> Option<PathBuf> {
     )
 }
 
-/// The folder of captures of Ouster's sensors: `FRAMES_LINT_OUSTER`, or `../shared/raw/ouster` beside the repository.
+/// The folder of recordings of Ouster's sensors: `FRAMES_LINT_OUSTER`, or `../shared/raw/ouster` beside the repository.
 #[track_caller]
-pub fn ouster_captures() -> Option<PathBuf> {
+pub fn ouster_recordings() -> Option<PathBuf> {
     folder(
         "FRAMES_LINT_OUSTER",
         "../shared/raw/ouster",
-        "captures of Ouster's sensors",
+        "recordings of Ouster's sensors",
     )
 }
 

@@ -10,8 +10,9 @@ use serde::Deserialize;
 
 use super::drive::lidar::{Beams, Ray, Scanner};
 use super::drive::scene::Surroundings;
-use super::encode::Field;
+use super::encode::{Body, Field};
 use super::packets::{PACKET_NS, SEQUENCES, Scan, Shot};
+use super::packets_ouster;
 
 /// A lidar of a recipe's drive.
 #[derive(Clone, Debug, Deserialize)]
@@ -78,6 +79,9 @@ pub struct Lidar {
     /// Rows are shifted so that columns are of one direction; else of one time.
     #[serde(default)]
     pub destaggered: bool,
+    /// The serial number in packets of an Ouster.
+    #[serde(default = "serial")]
+    pub serial: u64,
 }
 
 /// Time of a scan, seconds.
@@ -91,6 +95,8 @@ pub enum Driver {
     #[default]
     Plain,
     Ouster,
+    /// `ouster_sensor_msgs/msg/PacketMsg`: the packets of an Ouster, one in a message.
+    OusterPackets,
     Velodyne,
     /// `velodyne_msgs/msg/VelodyneScan`: the packets of a VLP-16, of as many firing sequences as its sixteen beams have columns, or a multiple.
     VelodynePackets,
@@ -126,6 +132,10 @@ fn thirty_two() -> u32 {
 
 fn columns() -> u32 {
     512
+}
+
+fn serial() -> u64 {
+    packets_ouster::SERIAL
 }
 
 fn one() -> f64 {
@@ -226,6 +236,7 @@ impl Lidar {
         match self.driver {
             Driver::Livox => "livox_ros_driver2/msg/CustomMsg",
             Driver::VelodynePackets => "velodyne_msgs/msg/VelodyneScan",
+            Driver::OusterPackets => "ouster_sensor_msgs/msg/PacketMsg",
             _ => "sensor_msgs/msg/PointCloud2",
         }
     }
@@ -367,7 +378,7 @@ impl Lidar {
         points.put("z", z);
         points.put("intensity", Number::F32(10.0));
         let time = match self.driver {
-            Driver::Plain | Driver::Livox | Driver::VelodynePackets => return,
+            Driver::Plain | Driver::Livox | Driver::VelodynePackets | Driver::OusterPackets => return,
             Driver::Ouster => ("t", nanoseconds),
             Driver::Velodyne if self.epoch_single => ("time", Number::F32(absolute_s as f32)),
             Driver::Velodyne => ("time", Number::F32((scaled_s - PERIOD_S * self.time_scale) as f32)),
@@ -445,6 +456,23 @@ impl Lidar {
             fields.push(Field::Array(bytes));
         }
         fields
+    }
+
+    /// The packets of an Ouster's turn that begins at the stamp, one in a message.
+    pub fn single_packets<'a>(&self, rays: &[Ray], stamp_ns: i64) -> Vec<Body<'a>> {
+        let places = rays.iter().filter_map(|ray| Some((ray.ring, self.place(ray)?)));
+        let places: Vec<_> = places.collect();
+        let backwards = self.times == Times::Reversed;
+        let packets = packets_ouster::packets(&self.scanner(), self.serial, stamp_ns, backwards, &places);
+        packets.into_iter().map(Body::Packet).collect()
+    }
+
+    /// How long after the stamp the `k`-th message of a turn is received, nanoseconds: packets at their end.
+    pub fn later_ns(&self, k: usize) -> i64 {
+        if self.driver != Driver::OusterPackets {
+            return 0;
+        }
+        (PERIOD_S * 1e9) as i64 * (k as i64 + 1) / (i64::from(self.columns) / packets_ouster::COLUMNS as i64)
     }
 
     /// A `CustomMsg`.

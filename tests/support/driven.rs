@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
-use super::clouds::Lidar;
+use super::clouds::{Driver, Lidar};
 use super::contents::{pose_fields, twist_fields};
 use super::drive::errors::rotation;
 use super::drive::lidar::Ray;
@@ -14,6 +14,7 @@ use super::drive::scene::Surroundings;
 use super::drive::{Drive, Stream};
 use super::encode::{Body, Field, Header};
 use super::motion::PublishedPose;
+use super::packets_ouster;
 use super::radars::{Laser, Radar};
 use super::topic::{Topic, Transform, Twist};
 
@@ -23,6 +24,8 @@ use super::topic::{Topic, Transform, Twist};
 pub enum DriveSource {
     /// `sensor_msgs/msg/Imu`.
     Imu,
+    /// `ouster_sensor_msgs/msg/PacketMsg`: packets of an Ouster's IMU.
+    OusterImu,
     /// `vn_driver/msg/Vectornav`: the Imu within, with an empty header of its own.
     Ins,
     /// `sensor_msgs/msg/NavSatFix`.
@@ -90,6 +93,7 @@ impl DriveSource {
     pub(super) fn message_type(self) -> &'static str {
         match self {
             Self::Imu => "sensor_msgs/msg/Imu",
+            Self::OusterImu => "ouster_sensor_msgs/msg/PacketMsg",
             Self::Ins => "vn_driver/msg/Vectornav",
             Self::Fix => "sensor_msgs/msg/NavSatFix",
             Self::GpsFix => "gps_msgs/msg/GPSFix",
@@ -132,7 +136,7 @@ impl Topic {
         let rows = self.from_drive.map(|kind| {
             let (drive, stream) = (the_drive(), self.stream(ticks));
             match kind {
-                DriveSource::Imu | DriveSource::Ins => Rows::Imu(drive.imu_rows(&stream)),
+                DriveSource::Imu | DriveSource::OusterImu | DriveSource::Ins => Rows::Imu(drive.imu_rows(&stream)),
                 DriveSource::Fix | DriveSource::GpsFix | DriveSource::CustomGps => {
                     let velocity = Stream {
                         errors: Vec::new(),
@@ -201,7 +205,13 @@ impl Topic {
         }
         // What is measured in one GNSS frame comes from one receiver.
         let name = match self.from_drive {
-            Some(DriveSource::Imu | DriveSource::Ins | DriveSource::Odometry | DriveSource::Pose) => self.name.clone(),
+            Some(
+                DriveSource::Imu
+                | DriveSource::OusterImu
+                | DriveSource::Ins
+                | DriveSource::Odometry
+                | DriveSource::Pose,
+            ) => self.name.clone(),
             _ => format!("receiver {}", self.frame_id),
         };
         Stream {
@@ -254,6 +264,11 @@ impl Rows {
     ) -> Vec<Body<'a>> {
         let with_covariance = message_type.contains("WithCovariance");
         let fields = match self {
+            Self::Imu(rows) if topic.from_drive == Some(DriveSource::OusterImu) => {
+                let row = &rows[number];
+                let packet = packets_ouster::imu(header.stamp_ns, row.acceleration, row.gyro);
+                return vec![Body::Packet(packet)];
+            }
             Self::Imu(rows) if topic.from_drive == Some(DriveSource::Ins) => ins_fields(&rows[number]),
             Self::Imu(rows) => imu_fields(&rows[number]),
             Self::Fix(rows, velocities) => match topic.from_drive {
@@ -292,6 +307,9 @@ impl Rows {
                 }));
                 fields.push(Field::F64s(row.twist_covariance.into()));
                 fields
+            }
+            Self::Scans(scans) if topic.lidar().driver == Driver::OusterPackets => {
+                return topic.lidar().single_packets(&scans[number], header.stamp_ns);
             }
             Self::Scans(scans) => topic.lidar().fields(&scans[number], header.stamp_ns),
             Self::Ranges(scans) => topic.laser().fields(&scans[number]),

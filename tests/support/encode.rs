@@ -47,6 +47,8 @@ pub enum Body<'a> {
     Pose(Header<'a>),
     /// `std_msgs/msg/String`.
     Text(&'a str),
+    /// `ouster_sensor_msgs/msg/PacketMsg`: these bytes.
+    Packet(Vec<u8>),
     /// A header and these fields.
     Fields(Header<'a>, Vec<Field<'a>>),
     /// A header and 512 zero bytes: enough for every field of fixed size and empty sequences.
@@ -140,6 +142,10 @@ impl Body<'_> {
                 identity(out);
             }
             Self::Text(text) => out.write_string(text),
+            Self::Packet(bytes) => {
+                out.write_sequence_length(bytes.len());
+                bytes.iter().for_each(|byte| out.write_u8(*byte));
+            }
             Self::Fields(head, fields) => {
                 header(out, head);
                 for field in fields {

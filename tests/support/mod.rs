@@ -33,6 +33,7 @@ pub mod foxglove;
 pub mod heard;
 pub mod motion;
 pub mod packets;
+pub mod packets_ouster;
 pub mod page;
 pub mod point_files;
 pub mod program;

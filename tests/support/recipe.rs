@@ -65,7 +65,7 @@
 //! `yaw_deg` (at the start), `tilt_deg` (deviation of the ground's roll and pitch), `imu: tactical | mems | perfect`,
 //! `gnss: rtk | single | perfect` (perfect makes poses exact, too), `odometry: real | perfect`.
 //!
-//! `from_drive` of a topic, which then needs no `type`: `imu`, `ins` (an Imu with an empty header within
+//! `from_drive` of a topic, which then needs no `type`: `imu`, `ouster_imu` (packets), `ins` (an Imu with an empty header within
 //! vn_driver/msg/Vectornav), `fix`, `gps_fix` (gps_msgs/msg/GPSFix), `custom_gps` (gps_driver/msg/Customgps: latitude,
 //! longitude, altitude), `gnss_velocity` (TwistStamped; ENU), `heading` (QuaternionStamped), `nmea` (nmea_msgs/msg/Sentence;
 //! `sentences: [GGA, RMC, HDT]` are sent at every tick, 5 ms apart), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
@@ -98,7 +98,7 @@
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!
 //! `from_drive: lidar` (a cloud; of what drives around the vehicle it sees) needs `lidar: {..}`, all of it optional: `driver: plain | velodyne_packets |
-//! ouster | velodyne | hesai | robosense | livox | livox_points | nebula | unknown` (the layout of points and times), `beams`,
+//! ouster_packets | ouster | velodyne | hesai | robosense | livox | livox_points | nebula | unknown` (the layout of points and times), `beams`,
 //! `columns`, `table: even | vlp16 | pandar40 | os1` (elevations, and how beams look aside), `solid_state: true`, `surroundings: street |
 //! apron | slope | warehouse | garage`, `lost` (share of the rays), `window_deg: [from, to]`, `destaggered`, `filtered` (not
 //! organised); errors: `turned_deg`, `mirrored`, `swapped`, `z_negated`, `offset: [x, y, z]`, `times: driver | missing | constant |

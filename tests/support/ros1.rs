@@ -41,6 +41,8 @@ fn fields(message_type: &str) -> &'static str {
         "sensor_msgs/msg/NavSatFix" => "hbw3d9db",
         "sensor_msgs/msg/LaserScan" => "h7f[f][f]",
         "velodyne_msgs/msg/VelodyneScan" => "h[2f1206b]",
+        "ouster_ros/msg/PacketMsg" => "[b]",
+        "std_msgs/msg/String" => "s",
         "sensor_msgs/msg/Temperature" => "h2d",
         other => panic!("{other} cannot be written as ROS 1"),
     }

@@ -326,6 +326,12 @@ VelodynePacket[] packets
 ",
     ),
     (
+        "ouster_sensor_msgs/msg/PacketMsg",
+        "
+uint8[] buf
+",
+    ),
+    (
         "velodyne_msgs/msg/VelodynePacket",
         "
 builtin_interfaces/Time stamp

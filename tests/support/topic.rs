@@ -283,6 +283,9 @@ impl Topic {
     /// How much later than the first the `k`-th message of a tick is written, nanoseconds: detections of a radar that come one by
     /// one come in a burst.
     pub(super) fn later_ns(&self, k: usize) -> i64 {
+        if let Some(lidar) = &self.lidar {
+            return lidar.later_ns(k);
+        }
         if self.radar.is_some() {
             return 50_000 * i64::try_from(k).unwrap();
         }
