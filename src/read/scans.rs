@@ -152,6 +152,11 @@ impl Scans<'_> {
     /// Passes on what was gathered last; gives whether there are scans.
     fn finish(&mut self) -> bool {
         let mut has_scans = false;
+        let only = self
+            .sensors
+            .as_ref()
+            .and_then(KnownSensors::only)
+            .map(ToOwned::to_owned);
         for entry in std::mem::take(&mut self.channels) {
             match entry {
                 Entry::Plain(_) | Entry::Metadata(..) | Entry::Imu(..) => {}
@@ -161,7 +166,7 @@ impl Scans<'_> {
                 }
                 Entry::Lidar(mut lidar) => {
                     has_scans = true;
-                    lidar.finish(&mut *self.visit);
+                    lidar.finish(only.as_deref(), &mut *self.visit);
                 }
             }
         }
@@ -367,10 +372,14 @@ impl Lidar {
     }
 
     /// The end of the recording: a part of a scan is better than none.
-    fn finish(&mut self, visit: &mut dyn Visit) {
+    fn finish(&mut self, only: Option<&str>, visit: &mut dyn Visit) {
         self.keep_part();
         if !self.has_scans {
-            pass(&mut self.part, self.metadata.as_deref(), &self.channel, visit);
+            let metadata = self
+                .metadata
+                .as_deref()
+                .or(only.filter(|_| self.maker == Maker::Ouster));
+            pass(&mut self.part, metadata, &self.channel, visit);
         }
     }
 }

@@ -177,6 +177,11 @@ impl TopicEvidence {
         self.message_type.rsplit(['/', '.']).next().unwrap_or_default()
     }
 
+    /// Whether its messages were made of packets that state no frame.
+    pub(crate) fn is_frameless(&self) -> bool {
+        self.header_frames.is_empty() && self.type_name() == "Imu"
+    }
+
     /// The lower-case words of all names around it: topic, type, frames and writers.
     pub fn words(&self) -> Vec<String> {
         let names = [self.topic.as_str(), self.message_type.as_str()].into_iter();

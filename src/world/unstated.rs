@@ -17,9 +17,8 @@ impl World {
             let called = |name: &Option<String>| self.frame_called(name.as_deref()?);
             let (lidar_frame, imu_frame) = (called(&lidar.frame), called(&lidar.imu_frame));
             for (index, bag) in self.bags.iter().enumerate() {
-                let is_of_it = |topic: &&TopicEvidence| maker(topic) == Some(&lidar.name);
-                let clouds = only(bag, |topic| is_of_it(&topic));
-                let imu = only(bag, |topic| topic.content.imu.is_some()).filter(|_| clouds.is_some());
+                let clouds = only(bag, |topic| maker(topic) == Some(&lidar.name));
+                let imu = only(bag, TopicEvidence::is_frameless).filter(|_| clouds.is_some());
                 let found = [(clouds, &lidar_frame), (imu, &imu_frame)];
                 named.extend(found.into_iter().filter_map(|(topic, frame)| {
                     let topic = topic?;
@@ -50,11 +49,11 @@ fn maker(topic: &TopicEvidence) -> Option<&str> {
     Some(&topic.content.clouds.as_ref()?.packets.as_ref()?.maker)
 }
 
-/// The only topic of this kind, if it states no frame.
+/// The only topic of this kind that states no frame.
 fn only(bag: &BagEvidence, is_wanted: impl Fn(&TopicEvidence) -> bool) -> Option<&TopicEvidence> {
-    let mut wanted = bag.topics.values().filter(|topic| is_wanted(topic));
-    let only = wanted.next().filter(|_| wanted.next().is_none())?;
-    only.header_frames.is_empty().then_some(only)
+    let frameless = bag.topics.values().filter(|topic| topic.header_frames.is_empty());
+    let mut wanted = frameless.filter(|topic| is_wanted(topic));
+    wanted.next().filter(|_| wanted.next().is_none())
 }
 
 /// The first message of a topic.

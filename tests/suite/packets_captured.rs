@@ -18,7 +18,6 @@ use frames_lint::read::scans;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 use nalgebra::Vector3;
 
-use crate::support::at_hand::ouster_recordings;
 use crate::support::capture::{Capture, Datagram, Form, Ip, Link, PCAP};
 use crate::support::packets::{PACKET_NS, SEQUENCES, Scan, Shot};
 use crate::support::program;
@@ -333,49 +332,4 @@ fn that_a_capture_states_no_frame_is_no_fault() {
     let ran = program::run(folder.path(), ["collect", "drive.pcap", "--clouds", "cloud.pcd"]);
     assert_eq!(ran.code, 0, "{}", ran.text());
     assert!(fs::read(&clouds).unwrap().starts_with(b"# .PCD"));
-}
-
-/// Real captures, with their metadata beside them: the numbers of points are those that ouster-sdk 1.0 finds in the first scans.
-#[test]
-fn packets_of_ouster_are_decoded_by_the_metadata_beside_the_capture() {
-    let Some(folder) = ouster_recordings() else { return };
-    for (name, points) in [
-        ("OS-0-128-U1_v2.3.0_1024x10", 97_299),
-        ("OS-1-64_1024x10_fw20", 16_749),
-        ("OS-1-128_767798045_1024x10_20230712_120049", 17_462),
-        ("OS-1-32-G_v2.1.1_1024x10", 27_310),
-        ("windowed_frame1", 9246),
-    ] {
-        let path = folder.join(format!("{name}.pcap"));
-        let there = tempfile::tempdir().unwrap();
-        let ran = program::run(
-            there.path(),
-            [
-                "collect".as_ref(),
-                path.as_os_str(),
-                "--clouds".as_ref(),
-                "cloud.pcd".as_ref(),
-            ],
-        );
-        assert_eq!(ran.code, 0, "{name}: {}", ran.text());
-        assert!(
-            ran.text().contains(&format!("{points} points")),
-            "{name}: {}",
-            ran.text()
-        );
-    }
-}
-
-#[test]
-fn packets_of_ouster_without_metadata_say_what_is_missing() {
-    let Some(folder) = ouster_recordings() else { return };
-    let there = tempfile::tempdir().unwrap();
-    let copy = there.path().join("drive.pcap");
-    fs::copy(folder.join("OS-1-32-G_v2.1.1_1024x10.pcap"), &copy).unwrap();
-    let ran = program::run(there.path(), ["check", "drive.pcap"]);
-    assert!(
-        ran.text().contains("packets of an Ouster without its metadata"),
-        "{}",
-        ran.text()
-    );
 }

@@ -292,6 +292,7 @@ fn recordings_of_real_sensors_have_the_points_of_ousters_tools() {
         ("OS-0-128-U1_v2.3.0_1024x10.pcap", 97_299),
         ("OS-1-128_767798045_1024x10_20230712_120049.pcap", 17_462),
         ("OS-1-32-G_v2.1.1_1024x10.pcap", 27_310),
+        ("OS-1-64_1024x10_fw20.pcap", 16_749),
         ("windowed_frame1.pcap", 9_246),
         ("single_scan_016.osf", 108_209),
     ] {

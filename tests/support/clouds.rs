@@ -472,7 +472,8 @@ impl Lidar {
         if self.driver != Driver::OusterPackets {
             return 0;
         }
-        (PERIOD_S * 1e9) as i64 * (k as i64 + 1) / (i64::from(self.columns) / packets_ouster::COLUMNS as i64)
+        let packets = self.columns as usize / packets_ouster::COLUMNS;
+        (PERIOD_S * 1e9 * (k + 1) as f64 / packets as f64) as i64
     }
 
     /// A `CustomMsg`.

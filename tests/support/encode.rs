@@ -144,7 +144,9 @@ impl Body<'_> {
             Self::Text(text) => out.write_string(text),
             Self::Packet(bytes) => {
                 out.write_sequence_length(bytes.len());
-                bytes.iter().for_each(|byte| out.write_u8(*byte));
+                for byte in bytes {
+                    out.write_u8(*byte);
+                }
             }
             Self::Fields(head, fields) => {
                 header(out, head);

@@ -32,6 +32,10 @@ pub(crate) struct Imu {
 impl Imu {
     /// The sensor of a topic, or of a member of its messages; `None` if it has no inertial data.
     pub(crate) fn of(world: &Estimates, bag: &BagEvidence, said: &TopicContent<'_>) -> Option<Self> {
+        // In whose axes it measures is not known.
+        if said.topic.is_frameless() {
+            return None;
+        }
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
         let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));

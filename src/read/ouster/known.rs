@@ -82,6 +82,14 @@ impl KnownSensors {
         Some(&known.text)
     }
 
+    /// The text of the metadata of the only sensor that is known, or recorded: why packets do not decode by it says more than that none fits.
+    pub fn only(&self) -> Option<&str> {
+        let has_recorded = self.0.iter().any(|known| known.is_recorded);
+        let mut all = self.0.iter().filter(|known| known.is_recorded || !has_recorded);
+        let only = all.next().filter(|_| all.next().is_none())?;
+        Some(&only.text)
+    }
+
     /// What an IMU packet says, by the metadata that it decodes by.
     pub fn of_imu(&self, packet: &[u8], origin: &Origin<'_>) -> Option<Vec<Imu>> {
         // The buffers of the driver of ROS 1 have a byte more.

@@ -60,9 +60,9 @@ struct Parsed<'p> {
     is_set: bool,
 }
 
-/// Whether a packet is one of Livox: all its lengths are consistent.
+/// Whether a packet has points of a Livox: all its lengths are consistent. Packets of its IMU have none.
 pub(super) fn is_livox(bytes: &[u8]) -> bool {
-    parse(bytes).is_ok()
+    time_ns(bytes).is_some()
 }
 
 /// The time of a packet of points, nanoseconds by the sensor's clock.

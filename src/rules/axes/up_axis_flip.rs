@@ -187,25 +187,22 @@ fn is_under_open_sky(motion: &Motion, clouds: &Clouds, limits: &Limits) -> bool 
     2 * samples.iter().filter(has_fix).count() > samples.len()
 }
 
-/// Up in the axes of the cloud, by an inertial sensor in the same frame, or else by one that rigid transforms tie to it.
+/// Up in the axes of the cloud, by the inertial sensor that the fewest rigid transforms tie to its frame.
 fn gravity(world: &World, motion: &Motion, bag: usize, frame: &FrameId) -> Option<(Vector3<f64>, String)> {
     let imus = &motion.bags.get(bag)?.imus;
     let of = |imu: &Imu| {
         let own = imu.stream.frame.as_ref()?;
-        let (cloud_from_imu, _) = world.graph().chain(frame, own, |edge| edge.is_rigid)?;
+        let (cloud_from_imu, steps) = world.graph().chain(frame, own, |edge| edge.is_rigid)?;
         let forces = imu
             .stream
             .rows()
             .map(|timed| Vector3::from(timed.row.linear_acceleration));
         let force: Vector3<f64> = forces.filter(|force| force.iter().all(|value| value.is_finite())).sum();
-        Some((
-            cloud_from_imu.rotation * force.try_normalize(1e-9)?,
-            imu.stream.subject.clone(),
-        ))
+        let up = cloud_from_imu.rotation * force.try_normalize(1e-9)?;
+        Some((steps.len(), up, imu.stream.subject.clone()))
     };
-    let is_own = |imu: &&Imu| imu.stream.frame.as_ref() == Some(frame);
-    let own = imus.iter().filter(is_own).find_map(of);
-    own.or_else(|| imus.iter().find_map(of))
+    let nearest = imus.iter().filter_map(of).min_by_key(|(steps, ..)| *steps);
+    nearest.map(|(_, up, who)| (up, who))
 }
 
 /// Relation, description and help for a cloud with this side up, which may be down by the transforms.
