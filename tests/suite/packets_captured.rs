@@ -315,8 +315,8 @@ fn that_a_capture_states_no_frame_is_no_fault() {
     let folder = folder();
     let capture = Capture::of(PCAP, Link::Ethernet, Ip::V4, &datagrams(&packets, [192, 168, 1, 201]));
     fs::write(folder.path().join("drive.pcap"), capture.bytes).unwrap();
-    let robot = "<robot name='r'><link name='base_link'/><link name='velodyne'/><joint name='j' type='fixed'>\
-                 <parent link='base_link'/><child link='velodyne'/><origin xyz='0 0 1.8'/></joint></robot>";
+    let robot = "<robot name='r'><link name='base_link'/><link name='front_lidar'/><joint name='j' type='fixed'>\
+                 <parent link='base_link'/><child link='front_lidar'/><origin xyz='0 0 1.8'/></joint></robot>";
     fs::write(folder.path().join("r.urdf"), robot).unwrap();
     let report = program::run(folder.path(), ["check", ".", "--format", "json"]).report();
     assert_eq!(

@@ -1,5 +1,6 @@
 //! Drives of a car with an Ouster that is recorded as packets, with its metadata: the faults that people suffer from are named by the rules that
-//! name them for clouds, and by no other. The healthy one is silent.
+//! name them for clouds. Where the mounting of the sensor is wrong, that of its IMU is, too; a clock that runs backwards shifts the scans. The healthy one is
+//! silent.
 
 use crate::bag_faults::{DriveFault, check, describe, each_is_found};
 use crate::support::clouds::Lidar;
@@ -43,7 +44,10 @@ const FAULTS: &[DriveFault] = &[
             "child: os_sensor, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30]",
             "child: os_sensor, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 120]",
         ],
-        &["SENSOR04 error /ouster/lidar_packets z-90"],
+        &[
+            "AXES12 error /ouster/lidar_packets z-90",
+            "AXES06 warning /ouster/imu_packets turned-mount",
+        ],
     ),
     (
         "the mounting of os_lidar given to os_sensor",
@@ -51,7 +55,10 @@ const FAULTS: &[DriveFault] = &[
             "child: os_sensor, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30]",
             "child: os_sensor, xyz: [0.6, 0.1, 1.83618], rpy_deg: [0, 0, -150]",
         ],
-        &["AXES12 error /ouster/lidar_packets z180"],
+        &[
+            "SENSOR03 error /ouster/lidar_packets z180-extra",
+            "AXES06 warning /ouster/imu_packets turned-mount",
+        ],
     ),
     (
         "y mirrored",
@@ -61,7 +68,10 @@ const FAULTS: &[DriveFault] = &[
     (
         "the clock of the sensor backwards",
         ["beams: 16", "beams: 16, times: reversed"],
-        &["TIME07 warning /ouster/lidar_packets times-reversed"],
+        &[
+            "TIME07 warning /ouster/lidar_packets times-reversed",
+            "TIME09 warning /ouster/lidar_packets",
+        ],
     ),
 ];
 

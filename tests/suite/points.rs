@@ -60,7 +60,7 @@ fn every_form_has_the_same_points() {
 #[test]
 fn a_large_file_is_sampled() {
     for ending in ["pcd", "las", "laz"] {
-        let recipe = PointsRecipe::parse("{points: 300000, size: [600, 150]}");
+        let recipe = PointsRecipe::parse("{points: 500000, size: [600, 150]}");
         let bytes = recipe.bytes(ending);
         let (source, file) = read(&bytes);
         let file = file.unwrap();

@@ -27,12 +27,12 @@ pub fn metadata(scanner: &Scanner, serial: u64) -> String {
     let at = |x: f64, y: f64, z: f64, turn: f64| [turn, 0., 0., x, 0., turn, 0., y, 0., 0., 1., z, 0., 0., 0., 1.];
     let metadata = json!({
         "sensor_info": {
-            "prod_line": format!("OS-1-{beams}"), "prod_sn": serial.to_string(), "image_rev": "ousteros-image-prod-bootes-v3.1.0",
+            "prod_line": format!("OS-1-{beams}"), "prod_sn": serial.to_string(), "image_rev": "ousteros-image-prod-aries-v3.1.0",
             "build_rev": "v3.1.0", "initialization_id": INIT_ID, "status": "RUNNING",
         },
         "beam_intrinsics": {
             "beam_altitude_angles": scanner.elevations_deg, "beam_azimuth_angles": aside_deg,
-            "lidar_origin_to_beam_origin_mm": 0.0, "beam_to_lidar_transform": at(0.0, 0.0, 0.0, 1.0),
+            "beam_to_lidar_transform": at(0.0, 0.0, 0.0, 1.0),
         },
         "lidar_intrinsics": {"lidar_to_sensor_transform": at(0.0, 0.0, 36.18, -1.0)},
         "imu_intrinsics": {"imu_to_sensor_transform": at(6.253, -11.775, 7.645, 1.0)},

@@ -4,8 +4,7 @@
 //! interpolated to the firing. Other than there, the turn of a packet's last firing is that of the first, and returns of any distance count.
 
 use super::bytes::{u8_at, u16_be, u32_be};
-use super::date::seconds_of;
-use super::robosense_models::{Clock, Model, Told, is_solid, model_of};
+use super::robosense_models::{Model, Told, clock, is_solid, model_of};
 use super::turn::{Direction, TURN, turn};
 use super::{Decode, Packet, PacketError, Return, Unit, robosense_solid};
 
@@ -179,26 +178,6 @@ fn time_ns(model: &Model, bytes: &[u8]) -> Result<i64, PacketError> {
 pub(super) fn azimuth(bytes: &[u8]) -> Option<u16> {
     let model = model_of(bytes).ok().filter(|_| !is_info(bytes))?;
     u16_be(bytes, model.header_bytes + 2).filter(|azimuth| *azimuth < TURN)
-}
-
-/// The time from a place of a packet, nanoseconds since 1970.
-pub(super) fn clock(clock: Clock, bytes: &[u8], at: usize) -> Option<i64> {
-    let (seconds, micros) = match clock {
-        Clock::Date => {
-            let [year, rest @ ..] = *bytes.get(at..)?.first_chunk::<6>()?;
-            let [month, day, hour, minute, second] = rest;
-            let (millis, micros) = (u16_be(bytes, at + 6)?, u16_be(bytes, at + 8)?);
-            // The years of the function count from 1900.
-            let date = [year.checked_add(100)?, month, day, hour, minute, second];
-            (seconds_of(date)?, 1000 * i64::from(millis) + i64::from(micros))
-        }
-        Clock::Seconds => {
-            let seconds = (i64::from(u16_be(bytes, at)?) << 32) + i64::from(u32_be(bytes, at + 2)?);
-            (seconds, i64::from(u32_be(bytes, at + 6)?))
-        }
-    };
-    let whole_ns = seconds.checked_mul(1_000_000_000)?;
-    (micros <= 1_000_000).then(|| whole_ns.saturating_add(1000 * micros))
 }
 
 /// The beams of a sensor: of its info packet, else those of the model.

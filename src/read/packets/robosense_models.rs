@@ -4,7 +4,8 @@
 //! manuals (tables of the MSOP header: RS-Helios-1610 6.2.1, RS-Helios-16P 6.2.1, RS-Ruby Plus 5.2.1).
 
 use super::PacketError;
-use super::bytes::u8_at;
+use super::bytes::{u8_at, u16_be, u32_be};
+use super::date::seconds_of;
 use super::robosense_tables::{BPEARL, RS32, RUBY_LITE, RUBY_PLUS, RUBY_PLUS_80, RUBY_PLUS_80V};
 
 /// How a data packet starts: the first generation (RS-LiDAR-16 and -32, Bpearl), the second (Ruby, Helios), and those that do not turn (M1).
@@ -285,4 +286,24 @@ const HUNDREDTHS: Told = Told::Signed {
 #[expect(clippy::cast_precision_loss, reason = "numbers of lasers")]
 fn small(number: usize) -> f64 {
     number as f64
+}
+
+/// The time from a place of a packet, nanoseconds since 1970.
+pub(super) fn clock(clock: Clock, bytes: &[u8], at: usize) -> Option<i64> {
+    let (seconds, micros) = match clock {
+        Clock::Date => {
+            let [year, rest @ ..] = *bytes.get(at..)?.first_chunk::<6>()?;
+            let [month, day, hour, minute, second] = rest;
+            let (millis, micros) = (u16_be(bytes, at + 6)?, u16_be(bytes, at + 8)?);
+            // The years of the function count from 1900.
+            let date = [year.checked_add(100)?, month, day, hour, minute, second];
+            (seconds_of(date)?, 1000 * i64::from(millis) + i64::from(micros))
+        }
+        Clock::Seconds => {
+            let seconds = (i64::from(u16_be(bytes, at)?) << 32) + i64::from(u32_be(bytes, at + 2)?);
+            (seconds, i64::from(u32_be(bytes, at + 6)?))
+        }
+    };
+    let whole_ns = seconds.checked_mul(1_000_000_000)?;
+    (micros <= 1_000_000).then(|| whole_ns.saturating_add(1000 * micros))
 }

@@ -3,9 +3,7 @@
 //! Source: github.com/RoboSense-LiDAR/rs_driver at 4eeadac, `decoder_RSM1.hpp`.
 
 use super::bytes::{u8_at, u16_be};
-use super::robosense::clock;
-use super::robosense_models::is_solid;
-use super::robosense_models::{Clock, SOLID_BYTES};
+use super::robosense_models::{Clock, SOLID_BYTES, clock, is_solid};
 use super::turn::Direction;
 use super::{PacketError, Return};
 

@@ -63,8 +63,11 @@ fn exchange(subject: &str, pair: &Pair, with: &Pair, found: &Classification) -> 
         detail = format!("{detail} Or both are mirrored left to right (y, roll and yaw negated).");
     }
     let message = format!("the transforms of {a} and {b} are exchanged");
+    let reference = &pair.reference;
+    let (target, source) = (reference.target.to_string(), reference.source_frame.to_string());
     let finding = Finding::error(subject, message, pair.other.place.clone())
         .likely()
+        .prefers(target, source, reference.pose)
         .relation("exchanged")
         .detail(detail)
         .help(format!(
