@@ -3,7 +3,7 @@
 //! Points are where github.com/RoboSense-LiDAR/rs_driver (at 4eeadac) has them: x forward, y left, from the lens, azimuths clockwise and
 //! interpolated to the firing. Other than there, the turn of a packet's last firing is that of the first, and returns of any distance count.
 
-use super::bytes::{u8_at, u16_be, u32_be};
+use super::bytes::{u8_at, u16_be};
 use super::robosense_models::{Model, Told, clock, is_solid, model_of};
 use super::turn::{Direction, TURN, turn};
 use super::{Decode, Packet, PacketError, Return, Unit, robosense_solid};
