@@ -1,6 +1,6 @@
 //! Files of point clouds: PCD, PLY, LAS and LAZ.
 //!
-//! Owns their headers, and which points are read: at most [`sample::MAX_POINTS`], spread over the file, so that the time does not depend on its
+//! Owns their headers, and which points are read: at most `sample::MAX_POINTS`, spread over the file, so that the time does not depend on its
 //! size. Must not judge.
 
 mod crs;
